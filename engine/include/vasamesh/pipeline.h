@@ -1,0 +1,69 @@
+#pragma once
+
+/// \file
+/// The public entry: a segmentation in, a proven closed surface and a report out.
+///
+///     Context context = make_context({});             // host/include/vasamesh/host.h
+///     Result result = convert(volume, Parameters{}, context);
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <string_view>
+#include <vector>
+
+#include "vasamesh/errors.h"
+#include "vasamesh/parameters.h"
+#include "vasamesh/report.h"
+#include "vasamesh/types.h"
+
+namespace vasamesh {
+
+class Backend;
+
+/// What a conversion runs on and whom it tells. Backends are shared: one Context may serve many
+/// conversions, one at a time.
+struct Context {
+  /// The backends in order of preference; a stage runs on the first that offers it. The last one
+  /// must offer every stage (make_context puts the oneTBB backend there).
+  std::vector<std::shared_ptr<Backend>> backends;
+
+  /// Called between passes with the phase's name and its finished fraction, 0 to 1, from the
+  /// thread that called convert(). False cancels. May be empty.
+  std::function<bool(std::string_view phase, double fraction)> progress;
+
+  /// Set it from any thread, or from a signal handler, to cancel. May be null.
+  const std::atomic<bool>* cancel = nullptr;
+};
+
+/// A surface and what is known about it.
+struct Result {
+  TriangleMesh mesh;
+  Report report;
+};
+
+/// Converts one segmentation. The surface has passed its proof, in float32 and in the space that
+/// was asked for: closed, manifold, outward, without self-intersection, of the segmentation's
+/// topology.
+///
+/// \throws Error usage (a parameter out of its range), bad_input (nothing in the foreground, an
+///         unusable geometry), failed_check (a surface that could not be proven), refused (more
+///         memory than allowed), cancelled.
+Result convert(const VolumeView& volume, const Parameters& parameters, Context& context);
+
+/// As convert(), for many volumes: keeps its buffers from one call to the next.
+class Converter {
+ public:
+  explicit Converter(Context context);
+  ~Converter();
+  Converter(Converter&&) noexcept;
+  Converter& operator=(Converter&&) noexcept;
+
+  Result convert(const VolumeView& volume, const Parameters& parameters);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace vasamesh

@@ -1,0 +1,141 @@
+#pragma once
+
+/// \file
+/// What a conversion says about its input, its work and its surface: plain data, no formatting.
+/// The program writes it as JSON (host/io), see docs/report.md for the schema.
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "vasamesh/parameters.h"
+#include "vasamesh/types.h"
+
+namespace vasamesh {
+
+/// A count of something found in the input, and where the first one is.
+struct Finding {
+  std::int64_t count = 0;
+  std::array<std::int64_t, 3> place{-1, -1, -1};  ///< a voxel (i, j, k); -1 when count is 0
+};
+
+/// One piece of a solid: a connected component of the segmentation under its connectivity.
+struct Piece {
+  std::int64_t voxels = 0;
+  std::array<std::int64_t, 3> first_voxel{0, 0, 0};  ///< the first in raster order
+  std::int64_t cavities = 0;  ///< b2: enclosed voids that this piece bounds from outside
+  std::int64_t handles = 0;   ///< b1: independent tunnels; the genus sum of the piece's shells
+};
+
+/// Betti numbers of the segmentation, from counting cells, and the same of a surface.
+struct Topology {
+  std::int64_t pieces = 0;    ///< b0; outward shells
+  std::int64_t handles = 0;   ///< b1; sum of the shells' genus
+  std::int64_t cavities = 0;  ///< b2; inward shells
+
+  bool operator==(const Topology&) const = default;
+};
+
+/// What was found in the segmentation.
+struct InputFindings {
+  std::int64_t object_voxels = 0;
+  std::vector<Piece> pieces;      ///< in raster order of their first voxels
+  Finding specks;                 ///< pieces of fewer than 8 voxels
+  Finding cavities;
+  Finding handles;                ///< place: first voxel of the first piece that has one
+  Finding edge_contacts;          ///< 2x2 configurations joined over an edge only
+  Finding corner_contacts;        ///< 2x2x2 configurations joined over a corner only
+  Finding border_contacts;        ///< object voxels on the volume's border
+  Finding one_voxel_parts;        ///< object voxels without a 2x2x2 object block around them
+  double anisotropy = 1;          ///< largest spacing / smallest spacing
+  Finding dropped;                ///< pieces removed by Parameters::min_component
+};
+
+/// One stage of the pipeline as it ran.
+struct StageReport {
+  std::string name;
+  std::string backend;
+  std::string device;
+  double seconds = 0;
+  std::int64_t bytes_held = 0;    ///< bytes held by the backend's buffers at the stage's end
+};
+
+/// One level of the octree as it was solved.
+struct LevelReport {
+  int depth = 0;
+  std::array<std::int64_t, 3> cells{0, 0, 0};  ///< the level's full extent, in cells
+  std::int64_t nodes = 0;          ///< active cells
+  std::int64_t leaves = 0;         ///< active cells without active children
+  int iterations = 0;
+  double initial_residual = 0;     ///< 2-norm, relative to the right-hand side's
+  double residual = 0;
+};
+
+/// How far the relabelled field had to be led back to the segmentation (design of the topology).
+struct RelabelReport {
+  std::int64_t lattice_nodes = 0;
+  std::int64_t flips = 0;
+  std::int64_t stuck_first = 0;    ///< nodes whose flip would have changed the topology, first pass
+  std::int64_t clamped = 0;        ///< nodes that kept their label against the repaired field
+  int repair_passes = 0;
+  std::int64_t handles_closed = 0;
+  std::int64_t cavities_closed = 0;
+};
+
+/// A distribution in a few numbers.
+struct Distribution {
+  double mean = 0, deviation = 0, minimum = 0, percentile_5 = 0, median = 0, percentile_95 = 0,
+         maximum = 0;
+};
+
+/// The quality of a surface's triangles.
+struct QualityReport {
+  Distribution edge_ratio;       ///< tau = shortest edge / longest edge of a triangle
+  double edge_ratio_above_08 = 0;  ///< fraction of triangles with tau >= 0.8
+  double edge_ratio_below_03 = 0;
+  double edge_ratio_below_01 = 0;
+  Distribution least_angle;      ///< degrees, of a triangle
+  Distribution size_ratio;       ///< longer / shorter of two edges that share a vertex in a triangle
+                                 ///< fan, over neighbouring triangles: ratio of mean edge lengths
+  double area = 0;               ///< mm^2
+  double volume = 0;             ///< mm^3, signed: positive when outward
+};
+
+/// Whether a surface is one that a solver can take. See engine/stages/verify.h.
+struct CheckReport {
+  std::int64_t vertices = 0, triangles = 0;
+  std::int64_t open_edges = 0;             ///< edges of one triangle
+  std::int64_t nonmanifold_edges = 0;      ///< edges of three or more triangles
+  std::int64_t misoriented_edges = 0;      ///< edges that both triangles traverse the same way
+  std::int64_t nonmanifold_vertices = 0;   ///< vertices whose triangles are not one fan
+  std::int64_t isolated_vertices = 0;      ///< vertices of no triangle
+  std::int64_t degenerate_triangles = 0;   ///< of zero area, or with a repeated vertex
+  std::int64_t nonfinite_vertices = 0;
+  std::int64_t intersecting_pairs = 0;     ///< pairs of triangles that meet beyond shared vertices
+  std::int64_t inverted_shells = 0;        ///< shells that face the wrong way for their nesting
+  Topology topology;                       ///< of the surface
+  std::vector<std::int64_t> shell_genus;   ///< a shell an entry, in order of lowest triangle
+  bool has_wanted = false;                 ///< a segmentation was given
+  Topology wanted;                         ///< of the segmentation
+  std::int64_t mismatched_pieces = 0;      ///< pieces whose shells or genus differ from the solid's
+  bool passed = false;                     ///< all of the above is as it must be
+  std::string reason;                      ///< why not, empty when passed
+};
+
+/// Everything a conversion reports. Schema version 1.
+struct Report {
+  static constexpr int kSchemaVersion = 1;
+  Geometry geometry;
+  Parameters parameters;
+  InputFindings input;
+  std::int64_t points = 0;
+  std::int64_t thin_points = 0;      ///< points from refined subvoxels
+  std::vector<StageReport> stages;
+  std::vector<LevelReport> levels;   ///< coarse to fine
+  RelabelReport relabel;
+  CheckReport check;
+  QualityReport quality;
+};
+
+}  // namespace vasamesh

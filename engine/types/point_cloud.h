@@ -1,0 +1,67 @@
+#pragma once
+
+/// \file
+/// Oriented samples of the vessel boundary, in flat arrays, sorted by the brick of their voxel, then
+/// by voxel, then by their place in it.
+///
+/// Positions are in padded voxel units: voxel (x, y, z) of the padded volume is the box from
+/// (x, y, z) to (x + 1, y + 1, z + 1). 
+/// Directions, areas and lengths are physical, in units of the voxel length (the geometric mean of
+/// the three spacings): multiply an index offset by `scale` first.
+
+#include <array>
+#include <cstdint>
+
+#include "backend/buffer.h"
+#include "types/bricks.h"
+
+namespace vasamesh {
+
+/// spacing / geometric mean of the spacings, along x, y, z.
+using Scale = std::array<float, 3>;
+
+/// Views of a point cloud; `Count` is float or const float.
+template <class Float>
+struct BasicPointView {
+  std::size_t count = 0;
+  std::array<View<Float>, 3> position;  ///< padded voxel units
+  std::array<View<Float>, 3> area;      ///< outward area vector of the faces behind the point
+  std::array<View<Float>, 3> normal;    ///< outward, unit length
+  View<Float> thickness;                ///< 0 where the vessel is thin to 1 where it is thick
+};
+using PointView = BasicPointView<const float>;
+using PointOutput = BasicPointView<float>;
+
+struct PointCloud {
+  std::size_t count = 0;
+  std::array<Buffer<float>, 3> position, area, normal;
+  Buffer<float> thickness;
+
+  /// The bricks (of 8 x 8 x 8 voxels) that hold the points' voxels, and for each voxel of each
+  /// brick the first of its points: those of voxel v of brick b are the points from
+  /// voxel_start[512 b + v] up to voxel_start[512 b + v + 1].
+  Bricks bricks;
+  Buffer<std::uint32_t> voxel_start;   ///< 512 * bricks.count + 1 entries
+  Buffer<std::uint8_t> octants;        ///< which of a brick's 8 octants (4 x 4 x 4) hold points
+
+  PointView view() const;
+  PointOutput output();
+};
+
+inline PointView PointCloud::view() const {
+  return {count,
+          {position[0].view(), position[1].view(), position[2].view()},
+          {area[0].view(), area[1].view(), area[2].view()},
+          {normal[0].view(), normal[1].view(), normal[2].view()},
+          thickness.view()};
+}
+
+inline PointOutput PointCloud::output() {
+  return {count,
+          {position[0].view(), position[1].view(), position[2].view()},
+          {area[0].view(), area[1].view(), area[2].view()},
+          {normal[0].view(), normal[1].view(), normal[2].view()},
+          thickness.view()};
+}
+
+}  // namespace vasamesh

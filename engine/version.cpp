@@ -1,0 +1,7 @@
+#include "vasamesh/version.h"
+
+namespace vasamesh {
+
+const char* version() { return VASAMESH_VERSION; }
+
+}  // namespace vasamesh

@@ -1,0 +1,40 @@
+#pragma once
+
+/// \file
+/// What runs a conversion: devices, their choice, and the Context made of them.
+
+#include <string>
+#include <vector>
+
+#include "vasamesh/pipeline.h"
+
+namespace vasamesh {
+
+/// One device that a backend can use.
+struct DeviceInfo {
+  int number = 0;            ///< as `vasamesh devices` numbers it, from 0
+  std::string backend;       ///< "tbb", "opencl"
+  std::string type;          ///< "cpu", "gpu", "accelerator"
+  std::string name;
+  std::string driver;
+  std::int64_t memory = 0;   ///< bytes, 0 where unknown
+  int compute_units = 0;
+  bool doubles = false;
+};
+
+/// Every device here; the oneTBB backend's CPU is always number 0.
+std::vector<DeviceInfo> list_devices();
+
+/// What make_context is asked for.
+struct ContextOptions {
+  std::string backend = "auto";   ///< "auto", "tbb" or "opencl"
+  std::string device;             ///< a number, a type or a part of the name; empty: the first
+  int threads = 0;                ///< of the oneTBB backend; 0: the machine's
+  void* task_arena = nullptr;     ///< a tbb::task_arena of the caller's to run in; threads ignored
+};
+
+/// Opens the devices. With "opencl" the stages that have kernels run on the OpenCL device, the
+/// others on oneTBB; the report names each. \throws Error no_device, usage.
+Context make_context(const ContextOptions& options);
+
+}  // namespace vasamesh

@@ -1,0 +1,123 @@
+#include "tbb/backend.h"
+
+#include <algorithm>
+#include <cstring>
+#include <new>
+#include <string>
+#include <vector>
+
+#include "tbb/tbb_backend.h"
+#include "vasamesh/errors.h"
+
+namespace vasamesh {
+
+namespace {
+
+constexpr std::size_t kAlignment = 64;
+constexpr std::size_t kBlock = 16384;  // elements a task of the primitives takes
+
+}  // namespace
+
+std::shared_ptr<Backend> make_tbb_backend(int threads, void* task_arena) {
+  return std::make_shared<TbbBackend>(threads, task_arena);
+}
+
+TbbBackend::TbbBackend(int threads, void* task_arena)
+    : arena_(static_cast<tbb::task_arena*>(task_arena)) {
+  if (arena_) return;
+  own_arena_ =
+      std::make_unique<tbb::task_arena>(threads > 0 ? threads : tbb::task_arena::automatic);
+  arena_ = own_arena_.get();
+}
+
+std::string TbbBackend::device() const {
+  return "CPU, " + std::to_string(arena_->max_concurrency()) + " threads";
+}
+
+void* TbbBackend::allocate(std::size_t bytes) {
+  const std::size_t held = held_ += bytes;
+  void* memory = limit_ && held > limit_
+                     ? nullptr
+                     : ::operator new(bytes, std::align_val_t(kAlignment), std::nothrow);
+  if (!memory) {
+    held_ -= bytes;
+    throw Error(ErrorCode::refused,
+                limit_ && held > limit_
+                    ? "the conversion needs more memory than --max-memory allows (" +
+                          std::to_string(held) + " of " + std::to_string(limit_) +
+                          " bytes): allow more, or convert a part of the volume"
+                    : "out of memory: " + std::to_string(bytes) + " bytes could not be had");
+  }
+  std::size_t peak = peak_;
+  while (held > peak && !peak_.compare_exchange_weak(peak, held)) {
+  }
+  return memory;
+}
+
+void TbbBackend::release(void* handle, std::size_t bytes) noexcept {
+  held_ -= bytes;
+  ::operator delete(handle, std::align_val_t(kAlignment));
+}
+
+void TbbBackend::write(void* handle, std::size_t offset, const void* from, std::size_t bytes) {
+  std::memcpy(static_cast<std::byte*>(handle) + offset, from, bytes);
+}
+
+void TbbBackend::read(const void* handle, std::size_t offset, void* to, std::size_t bytes) {
+  std::memcpy(to, static_cast<const std::byte*>(handle) + offset, bytes);
+}
+
+void TbbBackend::fill(View<float> values, float value) {
+  for_each((values.size + kBlock - 1) / kBlock, 1, [=](std::size_t block) {
+    const std::size_t first = block * kBlock;
+    std::fill_n(values.data() + first, std::min(kBlock, values.size - first), value);
+  });
+}
+
+void TbbBackend::fill(View<std::uint8_t> values, std::uint8_t value) {
+  std::fill_n(values.data(), values.size, value);
+}
+
+void TbbBackend::fill(View<std::uint32_t> values, std::uint32_t value) {
+  std::fill_n(values.data(), values.size, value);
+}
+
+std::uint32_t TbbBackend::exclusive_scan(View<const std::uint32_t> values,
+                                         View<std::uint32_t> sums) {
+  const std::size_t blocks = (values.size + kBlock - 1) / kBlock;
+  std::vector<std::uint64_t> block_sum(blocks + 1, 0);
+  for_each(blocks, 1, [&](std::size_t block) {
+    const std::size_t end = std::min((block + 1) * kBlock, values.size);
+    std::uint64_t sum = 0;
+    for (std::size_t i = block * kBlock; i < end; ++i) sum += values[i];
+    block_sum[block + 1] = sum;
+  });
+  for (std::size_t i = 0; i < blocks; ++i) block_sum[i + 1] += block_sum[i];
+  if (block_sum[blocks] > 0xffffffffu)
+    throw Error(ErrorCode::refused, "more than 2^32 elements: convert a part of the volume");
+  for_each(blocks, 1, [&](std::size_t block) {
+    const std::size_t end = std::min((block + 1) * kBlock, values.size);
+    auto sum = static_cast<std::uint32_t>(block_sum[block]);
+    for (std::size_t i = block * kBlock; i < end; ++i) {
+      const std::uint32_t value = values[i];
+      sums[i] = sum;
+      sum += value;
+    }
+  });
+  const auto total = static_cast<std::uint32_t>(block_sum[blocks]);
+  sums[values.size] = total;
+  return total;
+}
+
+float TbbBackend::reduce_sum(View<const float> values) {
+  if (values.size == 0) return 0;
+  std::size_t n = 1;
+  while (n < values.size) n *= 2;
+  std::vector<float> sums(n, 0.0f);
+  std::copy_n(values.data(), values.size, sums.begin());
+  for (n /= 2; n > 0; n /= 2)
+    for (std::size_t i = 0; i < n; ++i) sums[i] += sums[i + n];
+  return sums[0];
+}
+
+}  // namespace vasamesh

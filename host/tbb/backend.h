@@ -1,0 +1,18 @@
+#pragma once
+
+/// \file
+/// The oneTBB backend. Runs inside the caller's tbb::task_arena or one of its own; its memory is
+/// the host's. Work is cut into pieces by sizes alone, so that results do not depend on threads.
+
+#include <atomic>
+#include <memory>
+
+#include "backend/backend.h"
+
+namespace vasamesh {
+
+/// \param threads  workers; 0 for the machine's. Ignored with an arena.
+/// \param task_arena  a tbb::task_arena of the caller's, or null.
+std::shared_ptr<Backend> make_tbb_backend(int threads, void* task_arena);
+
+}  // namespace vasamesh
