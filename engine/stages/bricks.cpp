@@ -1,0 +1,99 @@
+#include "stages/bricks.h"
+
+#include <algorithm>
+#include <tuple>
+
+namespace vasamesh {
+
+namespace {
+
+std::tuple<int, int, int> raster_key(const BrickCoord& c) { return {c.z, c.y, c.x}; }
+
+/// The index of the first coordinate of each row (y, z) that bricks lie in, with an end marker.
+struct RowTable {
+  explicit RowTable(std::span<const BrickCoord> bricks) : coords(bricks) {
+    if (coords.empty()) return;
+    const auto by_y = [](const BrickCoord& a, const BrickCoord& b) { return a.y < b.y; };
+    const auto [low, high] = std::minmax_element(coords.begin(), coords.end(), by_y);
+    y_min = low->y;
+    z_min = coords.front().z;
+    y_count = high->y - y_min + 1;
+    z_count = coords.back().z - z_min + 1;
+    start.assign(static_cast<std::size_t>(y_count) * z_count + 1, 0);
+    for (const BrickCoord& c : coords) ++start[row(c.y, c.z) + 1];
+    for (std::size_t i = 1; i < start.size(); ++i) start[i] += start[i - 1];
+  }
+
+  std::size_t row(int y, int z) const {
+    return static_cast<std::size_t>(z - z_min) * y_count + (y - y_min);
+  }
+
+  /// Writes the indices of the bricks at x - 1, x and x + 1 of a row.
+  void find_three(int x, int y, int z, std::int32_t* out) const {
+    out[0] = out[1] = out[2] = kNoBrick;
+    if (y < y_min || y >= y_min + y_count || z < z_min || z >= z_min + z_count) return;
+    const auto end = coords.begin() + start[row(y, z) + 1];
+    auto it = std::lower_bound(coords.begin() + start[row(y, z)], end, x - 1,
+                               [](const BrickCoord& c, int value) { return c.x < value; });
+    for (; it != end && it->x <= x + 1; ++it)
+      out[it->x - x + 1] = static_cast<std::int32_t>(it - coords.begin());
+  }
+
+  std::span<const BrickCoord> coords;
+  std::vector<std::size_t> start;
+  int y_min = 0, z_min = 0, y_count = 0, z_count = 0;
+};
+
+}  // namespace
+
+bool raster_before(const BrickCoord& a, const BrickCoord& b) {
+  return raster_key(a) < raster_key(b);
+}
+
+void sort_unique(std::vector<BrickCoord>& coords) {
+  std::sort(coords.begin(), coords.end(), raster_before);
+  coords.erase(std::unique(coords.begin(), coords.end()), coords.end());
+}
+
+Bricks make_bricks(Backend& backend, std::span<const BrickCoord> coords) {
+  const RowTable rows(coords);
+  std::vector<std::int32_t> neighbours(27 * coords.size());
+  for (std::size_t i = 0; i < coords.size(); ++i)
+    for (int dz = -1; dz <= 1; ++dz)
+      for (int dy = -1; dy <= 1; ++dy)
+        rows.find_three(coords[i].x, coords[i].y + dy, coords[i].z + dz,
+                        &neighbours[27 * i + brick_neighbour(-1, dy, dz)]);
+  Bricks bricks;
+  bricks.count = coords.size();
+  bricks.coords = Buffer<BrickCoord>(backend, coords.size());
+  bricks.neighbours = Buffer<std::int32_t>(backend, neighbours.size());
+  backend.upload(bricks.coords.view(), coords);
+  backend.upload<std::int32_t>(bricks.neighbours.view(), neighbours);
+  return bricks;
+}
+
+std::vector<BrickCoord> dilate_by_octants(std::span<const BrickCoord> coords,
+                                          std::span<const std::uint8_t> octants) {
+  std::vector<BrickCoord> dilated;
+  dilated.reserve(coords.size() * 8);
+  for (std::size_t i = 0; i < coords.size(); ++i) {
+    std::uint32_t reached = 0;  // bit brick_neighbour(dx, dy, dz)
+    for (int octant = 0; octant < 8; ++octant) {
+      if (!(octants[i] >> octant & 1)) continue;
+      for (int side = 0; side < 8; ++side) {
+        const auto step = [&](int axis) {
+          return side >> axis & 1 ? (octant >> axis & 1 ? 1 : -1) : 0;
+        };
+        reached |= 1u << brick_neighbour(step(0), step(1), step(2));
+      }
+    }
+    for (int n = 0; n < 27; ++n)
+      if (reached >> n & 1)
+        dilated.push_back({coords[i].x + n % 3 - 1, coords[i].y + n / 3 % 3 - 1,
+                           coords[i].z + n / 9 - 1});
+  }
+  sort_unique(dilated);
+  return dilated;
+}
+
+}  // namespace vasamesh
