@@ -1,0 +1,39 @@
+#pragma once
+
+/// \file
+/// The OpenCL backend: the stages that have kernels (kernels/*.cl), on one OpenCL 1.2 device. It
+/// gives the same bytes as the oneTBB backend on devices that divide and round as IEEE 754 says.
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "backend/backend.h"
+#include "vasamesh/host.h"
+
+namespace vasamesh {
+
+/// How a kernel is cut into work-items. The arithmetic is the same for both.
+enum class KernelShape {
+  by_device,   ///< one_item on a CPU, work_group elsewhere
+  one_item,    ///< one work-item takes a brick
+  work_group,  ///< one work-group takes a brick, a work-item a row of 8 cells
+};
+
+struct OpenClOptions {
+  int device = 0;  ///< an index into list_opencl_devices()
+  KernelShape shape = KernelShape::by_device;
+  /// Where built programs are kept; empty: $XDG_CACHE_HOME/vasamesh or ~/.cache/vasamesh. A folder
+  /// that cannot be written costs a build each time, no error.
+  std::string cache_folder;
+};
+
+/// The OpenCL devices of all platforms, in the loader's order, numbered from 0. Empty where there
+/// is no platform.
+std::vector<DeviceInfo> list_opencl_devices();
+
+/// Opens a device. Its passes may be called from one thread at a time.
+/// \throws Error no_device: no such device, or it cannot be opened.
+std::shared_ptr<Backend> make_opencl_backend(const OpenClOptions& options);
+
+}  // namespace vasamesh
