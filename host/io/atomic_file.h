@@ -1,0 +1,40 @@
+#pragma once
+
+/// \file
+/// Output that appears whole or not at all: written under a temporary name in the same folder,
+/// renamed when it is complete, removed on every other way out.
+
+#include <string>
+#include <string_view>
+
+namespace vasamesh {
+
+/// A file being written. The object's end without commit() removes what was written and leaves an
+/// old file of that name as it was.
+class AtomicFile {
+ public:
+  /// \throws Error refused: the folder is missing or not writable, `path` is a folder.
+  explicit AtomicFile(const std::string& path);
+  ~AtomicFile();
+  AtomicFile(const AtomicFile&) = delete;
+  AtomicFile& operator=(const AtomicFile&) = delete;
+
+  /// Where to write: a new name in the folder of `path`, with its ending.
+  const std::string& temporary() const { return temporary_; }
+
+  /// Renames the temporary file to `path`. \throws Error refused.
+  void commit();
+
+ private:
+  std::string path_, temporary_;
+  bool committed_ = false;
+};
+
+/// \throws Error refused when no file of the name `path` could be created: the folder is missing or
+///         not writable, or `path` is a folder.
+void check_writable(const std::string& path);
+
+/// Writes `bytes` as the whole content of `path`. \throws Error refused.
+void write_file(const std::string& path, std::string_view bytes);
+
+}  // namespace vasamesh

@@ -1,0 +1,39 @@
+#pragma once
+
+/// \file
+/// Surfaces in and out of files: VTK XML (.vtp), STL (.stl), PLY (.ply), Wavefront (.obj); legacy
+/// VTK (.vtk) in only.
+
+#include <string>
+
+#include "vasamesh/parameters.h"
+#include "vasamesh/types.h"
+
+namespace vasamesh {
+
+/// Reads a triangle surface; polygons are cut into fans, lines and points ignored. Vertices come in
+/// the file's order and space; those of an STL file are merged where bitwise equal, in order of
+/// first appearance.
+///
+/// \throws Error bad_input, naming the file: no such file, unknown ending, unreadable, no
+///         triangles, an index out of range, a coordinate that is not finite, more than 2^32 - 1
+///         vertices.
+TriangleMesh read_surface(const std::string& path);
+
+/// Writes a surface; the ending chooses the format (.vtp, .stl and .ply binary, .obj). float32
+/// coordinates survive bit by bit in each of them. The space is written into the file: SPACE=LPS
+/// (RAS, VOXEL) in the header of an STL, in a comment of a PLY or OBJ, in a field-data string
+/// "SPACE" of a VTP. The file appears under its name only when it is complete.
+///
+/// \throws Error usage (unknown ending), refused (folder missing or not writable, disk full).
+void write_surface(const std::string& path, const TriangleMesh& mesh, Space space);
+
+/// What write_surface would refuse, found before any work is done.
+/// \throws Error usage (unknown ending), refused (folder missing or not writable, a folder of that
+///         name).
+void check_output_path(const std::string& path);
+
+/// "lps", "ras" or "voxel".
+const char* space_name(Space space);
+
+}  // namespace vasamesh

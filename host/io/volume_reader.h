@@ -1,0 +1,53 @@
+#pragma once
+
+/// \file
+/// Segmentations in and out of files: NIfTI (.nii, .nii.gz), MetaImage (.mha, .mhd), NRRD (.nrrd,
+/// .seg.nrrd) and a folder that holds one DICOM series. ITK reads the headers and the DICOM files;
+/// voxels are streamed once, to the checksum of a compressed file, and selected as they come.
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "vasamesh/types.h"
+
+namespace vasamesh {
+
+/// Which voxels of a volume are object. At most one of label, any_label and threshold may be set;
+/// with none, the volume must hold one value beside 0, and that one is the object.
+struct ReadOptions {
+  std::optional<std::int64_t> label;  ///< voxels of exactly this value
+  bool any_label = false;             ///< voxels of any value but 0
+  std::optional<double> threshold;    ///< voxels of this value or above
+  std::int64_t max_memory = 0;        ///< bytes that reading may hold; 0: the machine's memory
+};
+
+/// A binary segmentation and where it lies: one byte a voxel, 1 is object, i varies fastest.
+struct Segmentation {
+  Geometry geometry;
+  std::vector<std::uint8_t> voxels;
+
+  /// A view of `voxels`; valid as long as this object lives unchanged.
+  VolumeView view() const { return {voxels.data(), VoxelFormat::bytes, geometry}; }
+};
+
+/// Reads a segmentation of any scalar pixel type. Coordinates are LPS, in mm. A 2D image is one
+/// slice, as thick as the geometric mean of its spacings; trailing axes of one entry are dropped.
+///
+/// \throws Error bad_input, one line that names the file, the reason and the remedy: no such file,
+///         unknown format, truncated or corrupt, sizes that do not fit the file, not 3D, no scalar
+///         pixels, spacing outside 1e-6 to 1e4 mm or of a ratio above 100, sheared direction, NaN,
+///         infinite values without a threshold, no or several candidates for the object, an absent
+///         label, nothing selected, a folder that is not exactly one DICOM series.
+/// \throws Error usage, when more than one way of selection is asked for.
+/// \throws Error refused, when the volume needs more memory than allowed.
+Segmentation read_segmentation(const std::string& path, const ReadOptions& options = {});
+
+/// Writes a segmentation as uint8, compressed where the format can: .nii, .nii.gz, .mha, .nrrd.
+/// The file appears under its name only when it is complete.
+///
+/// \throws Error usage (unknown ending), refused (folder missing or not writable, disk full).
+void write_segmentation(const std::string& path, const Segmentation& segmentation);
+
+}  // namespace vasamesh
