@@ -11,6 +11,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -49,6 +50,14 @@ class Backend : public Memory {
   void download(View<const T> from, std::span<T> to) {
     if (!to.empty()) read(from.handle, from.offset * sizeof(T), to.data(), to.size_bytes());
   }
+
+  // --- Host work of stages that have no kernels. ----------------------------------------------
+
+  /// task(i) for i in 0 .. tasks - 1 on the backend's workers, in any order and at the same time;
+  /// returns when all are done, with the exception of one of them if any threw. Tasks write
+  /// places of their own, so that no result depends on the order; make them coarse (tens of
+  /// microseconds), their number by sizes alone.
+  virtual void run(std::size_t tasks, const std::function<void(std::size_t)>& task) = 0;
 
   // --- Primitives. ---------------------------------------------------------------------------
 

@@ -11,6 +11,11 @@ namespace vasamesh {
 
 class PartialBackend : public Backend {
  public:
+  /// In order, on the calling thread.
+  void run(std::size_t tasks, const std::function<void(std::size_t)>& task) override {
+    for (std::size_t i = 0; i < tasks; ++i) task(i);
+  }
+
   void volume_pack(const VolumeView&, const std::array<int, 3>&, int,
                    View<std::uint64_t>) override {
     missing("volume_pack");

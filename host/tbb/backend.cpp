@@ -67,6 +67,10 @@ void TbbBackend::read(const void* handle, std::size_t offset, void* to, std::siz
   std::memcpy(to, static_cast<const std::byte*>(handle) + offset, bytes);
 }
 
+void TbbBackend::run(std::size_t tasks, const std::function<void(std::size_t)>& task) {
+  for_each(tasks, 1, task);
+}
+
 void TbbBackend::fill(View<float> values, float value) {
   for_each((values.size + kBlock - 1) / kBlock, 1, [=](std::size_t block) {
     const std::size_t first = block * kBlock;

@@ -30,6 +30,8 @@ class TbbBackend final : public Backend {
   void write(void* handle, std::size_t offset, const void* from, std::size_t bytes) override;
   void read(const void* handle, std::size_t offset, void* to, std::size_t bytes) override;
 
+  void run(std::size_t tasks, const std::function<void(std::size_t)>& task) override;
+
   void fill(View<float> values, float value) override;
   void fill(View<std::uint8_t> values, std::uint8_t value) override;
   void fill(View<std::uint32_t> values, std::uint32_t value) override;
