@@ -42,7 +42,7 @@ can_sudo() {
 }
 
 install_missing() {
-  if ! command -v dpkg-query apt-get >/dev/null; then
+  if ! command -v apt-get >/dev/null; then
     fail "this is no Debian: install what these Debian 12 packages hold, then build with
 cmake --preset release && cmake --build --preset release
   ${packages[*]}"

@@ -1,0 +1,63 @@
+#pragma once
+
+/// \file
+/// The subcommands of the program: what each was asked for, and the function that does it.
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "io/volume_reader.h"
+#include "phantom/phantom.h"
+#include "vasamesh/host.h"
+#include "vasamesh/parameters.h"
+
+namespace vasamesh::cli {
+
+/// `vasamesh convert IN -o OUT`.
+struct ConvertRequest {
+  std::string input;
+  std::string output;
+  std::string report;  ///< a .json file; empty: none
+  bool quiet = false;
+  ReadOptions read;
+  Parameters parameters;
+  ContextOptions context;
+};
+
+/// `vasamesh check SURFACE`.
+struct CheckRequest {
+  std::string surface;
+  std::string volume;     ///< --against; empty: none
+  std::string reference;  ///< --reference; empty: none
+  bool json = false;
+  bool quiet = false;
+  ReadOptions read;
+  Connectivity connectivity = Connectivity::vertex;
+  Space space = Space::lps;  ///< of the surface's coordinates
+  int threads = 0;
+};
+
+/// `vasamesh phantom NAME -o OUT`.
+struct PhantomRequest {
+  std::string name;
+  std::string output;
+  std::string surface;  ///< for the exact surface; empty: none
+  bool list = false;
+  bool quiet = false;
+  PhantomOptions options;
+};
+
+/// `vasamesh devices`.
+struct DevicesRequest {
+  bool json = false;
+};
+
+/// Each does the whole command and returns the program's exit code; results go to stdout.
+/// \throws Error
+int run_convert(const ConvertRequest& request);
+int run_check(const CheckRequest& request);
+int run_phantom(const PhantomRequest& request);
+int run_devices(const DevicesRequest& request);
+
+}  // namespace vasamesh::cli
