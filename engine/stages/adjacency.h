@@ -1,0 +1,23 @@
+#pragma once
+
+/// \file
+/// Which triangles meet at each vertex, in flat arrays.
+
+#include <cstdint>
+#include <vector>
+
+#include "vasamesh/types.h"
+
+namespace vasamesh {
+
+/// The corners at vertex v are corner[first[v]] .. corner[first[v + 1] - 1], ascending; corner
+/// 3 t + i is the i-th of triangle t.
+struct VertexCorners {
+  std::vector<std::uint32_t> first;   ///< vertices + 1 entries
+  std::vector<std::uint32_t> corner;
+};
+
+/// All indices must be below the number of vertices. \throws Error refused beyond 2^32 corners.
+VertexCorners vertex_corners(const TriangleMesh& mesh);
+
+}  // namespace vasamesh

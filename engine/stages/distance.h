@@ -1,0 +1,35 @@
+#pragma once
+
+/// \file
+/// Distances between two surfaces, both ways: samples spread evenly over the one, the exact nearest
+/// point on the other.
+///
+/// Aspert, Santa-Cruz, Ebrahimi: MESH: measuring errors between surfaces using the Hausdorff
+/// distance, 2002.
+
+#include "backend/backend.h"
+#include "vasamesh/types.h"
+
+namespace vasamesh {
+
+/// Distances from one surface to another, in mm.
+struct OneWayDistance {
+  double mean = 0;     ///< over the area
+  double rms = 0;
+  double maximum = 0;  ///< over samples and vertices
+};
+
+struct DistanceReport {
+  OneWayDistance to;    ///< from the surface to the reference
+  OneWayDistance back;  ///< from the reference to the surface
+  double voxel = 1;     ///< mm: divide by it for voxels
+};
+
+/// \param voxel  length of a voxel in mm (geometric mean of the spacings), above zero.
+/// \param step  largest distance of neighbouring samples, in voxels, above zero: a triangle is cut
+///        into n^2 equal ones, n the longest edge over the step, with a sample at each centroid.
+/// \throws Error bad_input, when either surface has no triangle or a vertex that is not finite.
+DistanceReport measure_distance(Backend& backend, const TriangleMesh& surface,
+                                const TriangleMesh& reference, double voxel, double step = 0.25);
+
+}  // namespace vasamesh

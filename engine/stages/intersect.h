@@ -1,0 +1,41 @@
+#pragma once
+
+/// \file
+/// Self-intersections of a triangle surface, by exact decisions: pairs of triangles that have more
+/// in common than the vertices or the edge that they share by index. Boxes find the candidates,
+/// separating planes in double with an error bound dismiss nearly all of them, exact predicates
+/// decide the rest.
+///
+/// Gottschalk, Lin, Manocha: OBBTree, 1996 (separating axes); Guigue, Devillers: Fast and robust
+/// triangle-triangle overlap test using orientation predicates, 2003.
+
+#include <cstdint>
+#include <vector>
+
+#include "backend/backend.h"
+#include "stages/triangle_tree.h"
+#include "vasamesh/types.h"
+
+namespace vasamesh {
+
+struct TrianglePair {
+  std::uint32_t first, second;  ///< first < second
+  bool operator==(const TrianglePair&) const = default;
+};
+
+struct Intersections {
+  std::int64_t count = 0;
+  std::vector<TrianglePair> pairs;  ///< the lowest ones, in order, at most kMostListed
+  static constexpr std::size_t kMostListed = 1000;
+};
+
+/// Whether triangles `a` and `b` of the mesh meet beyond what they share by index; touching counts.
+/// Neither may be degenerate.
+bool triangles_intersect(const TriangleMesh& mesh, std::uint32_t a, std::uint32_t b);
+
+/// Every intersecting pair. Degenerate triangles and those with a vertex that is not finite take
+/// no part: the tree leaves them out.
+Intersections find_intersections(Backend& backend, const TriangleMesh& mesh,
+                                 const TriangleTree& tree);
+
+}  // namespace vasamesh
