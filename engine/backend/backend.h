@@ -18,6 +18,7 @@
 
 #include "backend/buffer.h"
 #include "types/bricks.h"
+#include "types/lattice.h"
 #include "types/octree.h"
 #include "types/point_cloud.h"
 #include "types/volume.h"
@@ -88,9 +89,10 @@ class Backend : public Memory {
   /// outer boundary voxels: background with an object 6-neighbour. Bit dx + 2 dy + 4 dz.
   virtual void points_mark_bricks(const BitView& object, View<std::uint8_t> octants) = 0;
 
-  /// How many points each voxel of each brick gives (counts: 512 a brick).
+  /// How many points each voxel of each brick gives (counts: 512 a brick), and how many of each
+  /// brick's points come from refined voxels (refined: one a brick).
   virtual void points_count(const BitView& object, const BitView& refine, const BrickView& bricks,
-                            View<std::uint32_t> counts) = 0;
+                            View<std::uint32_t> counts, View<std::uint32_t> refined) = 0;
 
   /// Writes position, area and thickness of the points; voxel_start is the scan of the counts.
   virtual void points_emit(const BitView& object, const BitView& thin, const BitView& refine,
@@ -135,6 +137,125 @@ class Backend : public Memory {
   /// p = r + beta p.
   virtual void poisson_update_direction(const LevelView& level, float beta, View<const float> r,
                                         View<float> p) = 0;
+
+  // --- Octree levels (engine/stages/octree.h, poisson.h). ---------------------------------------
+
+  /// A cell is unknown (1) unless one of its six neighbours is in no brick; all cells of a level
+  /// that is `whole` (the root, which ends in zeros) are.
+  virtual void octree_mark_unknown(const LevelView& level, bool whole,
+                                   View<std::uint8_t> unknown) = 0;
+
+  /// The splatted vector field's divergence, eq. 3 and 4 of the paper with B-splines for the
+  /// Gaussian: right_hand_side(c) = -volume * div V at c, V = sum over the points of -area * K,
+  /// div by differences over the cell's faces. K is the tensor product of quadratic B-splines whose
+  /// knots are `kernel` apart, blended from `thin` to `thick` by the point's thickness, and at
+  /// least one cell.
+  virtual void poisson_splat(const LevelView& level, const PointIndex& index,
+                             const PointView& points, const Scale& scale, const Kernel& kernel,
+                             View<float> right_hand_side) = 0;
+
+  /// coarse = P^T fine, P the subdivision of quadratic B-splines (1 3 3 1) / 4 along each axis.
+  /// `children` has 64 entries a coarse brick: the fine bricks 2 B - 1 .. 2 B + 2 along each axis.
+  virtual void poisson_restrict(const LevelView& coarse, View<const std::int32_t> children,
+                                View<const float> fine_values, View<float> coarse_values) = 0;
+
+  /// fine = P coarse. `parents` has 27 entries a fine brick: the coarse bricks round its parent.
+  virtual void poisson_prolong(const LevelView& fine, View<const std::int32_t> parents,
+                               View<const float> coarse_values, View<float> fine_values) = 0;
+
+  /// values[i] = the spline at point i, for the points whose voxels lie in the level's bricks;
+  /// the others keep what they have.
+  virtual void poisson_sample_points(const LevelView& level, const PointIndex& index,
+                                     const PointView& points, View<const float> coefficients,
+                                     View<float> values) = 0;
+
+  /// numerator = sum of |area| B value, denominator = sum of |area| B over the points, B the
+  /// level's own quadratic B-spline round each cell.
+  virtual void isovalue_splat(const LevelView& level, const PointIndex& index,
+                              const PointView& points, View<const float> values,
+                              View<float> numerator, View<float> denominator) = 0;
+
+  /// out(c) = tap * in(c - e) + (1 - 2 tap) * in(c) + tap * in(c + e), e along `axis`.
+  virtual void isovalue_smooth(const LevelView& level, int axis, float tap, View<const float> in,
+                               View<float> out) = 0;
+
+  /// numerator = (numerator + small * fallback) / (denominator + small), small = 1e-4.
+  virtual void isovalue_divide(float fallback, View<const float> denominator,
+                               View<float> numerator) = 0;
+
+  /// a -= b.
+  virtual void field_subtract(View<float> a, View<const float> b) = 0;
+
+  // --- Cell lattice (engine/stages/lattice.h). ---------------------------------------------------
+  // Nodes half a voxel apart in bricks of 8^3; LatticeBit of types/lattice.h names the bits.
+
+  /// used[b] = 1 where a node of brick b lies within `radius` + 1 nodes (along each axis, 1 to 3)
+  /// of the centre of a boundary face.
+  virtual void lattice_mark(const BitView& object, const BrickView& bricks,
+                            const std::array<int, 3>& radius, View<std::uint8_t> used) = 0;
+
+  /// state = the solid's label (twice), whether the node may change, whether it is the centre of a
+  /// boundary face.
+  virtual void lattice_label(const BitView& object, int connectivity, const BrickView& bricks,
+                             const std::array<int, 3>& radius, View<std::uint8_t> state) = 0;
+
+  /// values = the spline at the nodes: from `refined` where it has the nodes' brick and the seven
+  /// below, else from `regular`. `in_regular` has 27 entries a brick: the regular bricks round the
+  /// one that holds it; `in_refined` likewise, at the brick itself.
+  virtual void lattice_sample(const BrickView& bricks, View<const std::int32_t> in_regular,
+                              View<const float> regular, View<const std::int32_t> in_refined,
+                              View<const float> refined, View<float> values) = 0;
+
+  /// How many nodes of each colour (the parities of x, y, z: bit 0, 1, 2) and brick may change and
+  /// have a label that is not the value's sign: counts[colour * bricks.count + b].
+  virtual void relabel_count(const BrickView& bricks, View<const std::uint8_t> state,
+                             View<const float> values, View<std::uint32_t> counts) = 0;
+  /// Writes those nodes (512 b + cell), ordered by colour, brick, cell; starts: scan of counts.
+  virtual void relabel_collect(const BrickView& bricks, View<const std::uint8_t> state,
+                               View<const float> values, View<const std::uint32_t> starts,
+                               View<std::uint32_t> nodes) = 0;
+
+  /// Flips the labels of the listed nodes (all of one colour, so that none sees another) that are
+  /// simple and whose |value| is at least `threshold`. \return how many.
+  virtual std::uint32_t relabel_sweep(const BrickView& bricks, View<const std::uint8_t> simple,
+                                      View<const float> values, float threshold,
+                                      View<const std::uint32_t> nodes,
+                                      View<std::uint8_t> state) = 0;
+
+  /// Marks nodes where the labels leave the solid too far: centres of boundary faces without a
+  /// label change within `limit`, and both ends of lattice edges whose crossing is farther than
+  /// `limit` (voxel lengths) from every such centre. marks: a byte a node. \return how many.
+  virtual std::uint32_t lattice_mark_far(const BrickView& bricks, const Scale& scale, float limit,
+                                         View<const std::uint8_t> state,
+                                         View<const float> values, View<std::uint8_t> marks) = 0;
+
+  /// Leads the values near marked nodes back to the solid's: value = (1 - d) value + d g,
+  /// d = (1 - distance^2 / radius^2)^2 to the nearest mark, g from the solid's labels round the
+  /// node. `radius` in nodes, at most 8.
+  virtual void lattice_blend(const BrickView& bricks, View<const std::uint8_t> marks, float radius,
+                             View<const std::uint8_t> state, View<float> values) = 0;
+
+  /// Gives each node whose value's sign is not its label the value +-`least`. \return how many.
+  virtual std::uint32_t lattice_clamp(const BrickView& bricks, float least,
+                                      View<const std::uint8_t> state, View<float> values) = 0;
+
+  // --- Base surface (engine/stages/surface.h). ---------------------------------------------------
+
+  /// Marching tetrahedra of the Freudenthal cut: which of its seven edges (to the node at each of
+  /// the offsets 1..7, bits x, y, z; edge d is bit d - 1) each node owns that the labels cross, the
+  /// first of its vertices within its brick, and how many vertices and triangles each brick gives.
+  virtual void surface_count(const BrickView& bricks, View<const std::uint8_t> state,
+                             View<std::uint8_t> crossed, View<std::uint16_t> node_start,
+                             View<std::uint32_t> vertices, View<std::uint32_t> triangles) = 0;
+
+  /// Vertices in padded voxel units, three floats each, between `margin` and 1 - margin along
+  /// their edges; triangles counter-clockwise seen from outside in index space.
+  virtual void surface_emit(const BrickView& bricks, View<const std::uint8_t> state,
+                            View<const float> values, float margin,
+                            View<const std::uint8_t> crossed, View<const std::uint16_t> node_start,
+                            View<const std::uint32_t> vertex_start,
+                            View<const std::uint32_t> triangle_start, View<float> vertices,
+                            View<std::uint32_t> triangles) = 0;
 };
 
 }  // namespace vasamesh

@@ -26,7 +26,7 @@ class PartialBackend : public Backend {
   void points_mark_bricks(const BitView&, View<std::uint8_t>) override {
     missing("points_mark_bricks");
   }
-  void points_count(const BitView&, const BitView&, const BrickView&,
+  void points_count(const BitView&, const BitView&, const BrickView&, View<std::uint32_t>,
                     View<std::uint32_t>) override {
     missing("points_count");
   }
@@ -57,9 +57,84 @@ class PartialBackend : public Backend {
                                View<float>, View<float>, View<float>) override {
     missing("poisson_update_solution");
   }
-  void poisson_update_direction(const LevelView&, float, View<const float>,
-                                View<float>) override {
+  void poisson_update_direction(const LevelView&, float, View<const float>, View<float>) override {
     missing("poisson_update_direction");
+  }
+
+  void octree_mark_unknown(const LevelView&, bool, View<std::uint8_t>) override {
+    missing("octree_mark_unknown");
+  }
+  void poisson_splat(const LevelView&, const PointIndex&, const PointView&, const Scale&,
+                     const Kernel&, View<float>) override {
+    missing("poisson_splat");
+  }
+  void poisson_restrict(const LevelView&, View<const std::int32_t>, View<const float>,
+                        View<float>) override {
+    missing("poisson_restrict");
+  }
+  void poisson_prolong(const LevelView&, View<const std::int32_t>, View<const float>,
+                       View<float>) override {
+    missing("poisson_prolong");
+  }
+  void poisson_sample_points(const LevelView&, const PointIndex&, const PointView&,
+                             View<const float>, View<float>) override {
+    missing("poisson_sample_points");
+  }
+  void isovalue_splat(const LevelView&, const PointIndex&, const PointView&, View<const float>,
+                      View<float>, View<float>) override {
+    missing("isovalue_splat");
+  }
+  void isovalue_smooth(const LevelView&, int, float, View<const float>, View<float>) override {
+    missing("isovalue_smooth");
+  }
+  void isovalue_divide(float, View<const float>, View<float>) override {
+    missing("isovalue_divide");
+  }
+  void field_subtract(View<float>, View<const float>) override { missing("field_subtract"); }
+  void lattice_mark(const BitView&, const BrickView&, const std::array<int, 3>&,
+                    View<std::uint8_t>) override {
+    missing("lattice_mark");
+  }
+  void lattice_label(const BitView&, int, const BrickView&, const std::array<int, 3>&,
+                     View<std::uint8_t>) override {
+    missing("lattice_label");
+  }
+  void lattice_sample(const BrickView&, View<const std::int32_t>, View<const float>,
+                      View<const std::int32_t>, View<const float>, View<float>) override {
+    missing("lattice_sample");
+  }
+  void relabel_count(const BrickView&, View<const std::uint8_t>, View<const float>,
+                     View<std::uint32_t>) override {
+    missing("relabel_count");
+  }
+  void relabel_collect(const BrickView&, View<const std::uint8_t>, View<const float>,
+                       View<const std::uint32_t>, View<std::uint32_t>) override {
+    missing("relabel_collect");
+  }
+  std::uint32_t relabel_sweep(const BrickView&, View<const std::uint8_t>, View<const float>, float,
+                              View<const std::uint32_t>, View<std::uint8_t>) override {
+    missing("relabel_sweep");
+  }
+  std::uint32_t lattice_mark_far(const BrickView&, const Scale&, float, View<const std::uint8_t>,
+                                 View<const float>, View<std::uint8_t>) override {
+    missing("lattice_mark_far");
+  }
+  void lattice_blend(const BrickView&, View<const std::uint8_t>, float, View<const std::uint8_t>,
+                     View<float>) override {
+    missing("lattice_blend");
+  }
+  std::uint32_t lattice_clamp(const BrickView&, float, View<const std::uint8_t>,
+                              View<float>) override {
+    missing("lattice_clamp");
+  }
+  void surface_count(const BrickView&, View<const std::uint8_t>, View<std::uint8_t>,
+                     View<std::uint16_t>, View<std::uint32_t>, View<std::uint32_t>) override {
+    missing("surface_count");
+  }
+  void surface_emit(const BrickView&, View<const std::uint8_t>, View<const float>, float,
+                    View<const std::uint8_t>, View<const std::uint16_t>, View<const std::uint32_t>,
+                    View<const std::uint32_t>, View<float>, View<std::uint32_t>) override {
+    missing("surface_emit");
   }
 
  private:

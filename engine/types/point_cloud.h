@@ -1,11 +1,11 @@
 #pragma once
 
 /// \file
-/// Oriented samples of the vessel boundary, in flat arrays, sorted by the brick of their voxel, then
-/// by voxel, then by their place in it.
+/// Oriented samples of the vessel boundary, in flat arrays, sorted by the brick of their voxel,
+/// then by voxel, then by their place in it.
 ///
 /// Positions are in padded voxel units: voxel (x, y, z) of the padded volume is the box from
-/// (x, y, z) to (x + 1, y + 1, z + 1). 
+/// (x, y, z) to (x + 1, y + 1, z + 1).
 /// Directions, areas and lengths are physical, in units of the voxel length (the geometric mean of
 /// the three spacings): multiply an index offset by `scale` first.
 
@@ -34,6 +34,7 @@ using PointOutput = BasicPointView<float>;
 
 struct PointCloud {
   std::size_t count = 0;
+  std::size_t thin_count = 0;  ///< those that come from refined voxels, next to thin structures
   std::array<Buffer<float>, 3> position, area, normal;
   Buffer<float> thickness;
 
@@ -41,11 +42,25 @@ struct PointCloud {
   /// brick the first of its points: those of voxel v of brick b are the points from
   /// voxel_start[512 b + v] up to voxel_start[512 b + v + 1].
   Bricks bricks;
-  Buffer<std::uint32_t> voxel_start;   ///< 512 * bricks.count + 1 entries
-  Buffer<std::uint8_t> octants;        ///< which of a brick's 8 octants (4 x 4 x 4) hold points
+  Buffer<std::uint32_t> voxel_start;  ///< 512 * bricks.count + 1 entries
+  Buffer<std::uint8_t> octants;       ///< which of a brick's 8 octants (4 x 4 x 4) hold points
 
   PointView view() const;
   PointOutput output();
+};
+
+/// The points near each brick of a level, for passes that gather from points: `bricks` holds, for
+/// each brick B of a level of exponent e, the point cloud's bricks from floor(B 2^e) - 1 on,
+/// side = max(1, 2^e) + 2 along each axis, x fastest, kNoBrick where there is none.
+struct PointIndex {
+  int side = 3;
+  View<const std::int32_t> bricks;
+  View<const std::uint32_t> voxel_start;
+};
+
+/// Knot distance of the splatting B-spline, in voxel lengths, by the thickness of the vessel.
+struct Kernel {
+  float thin = 1, thick = 1;
 };
 
 inline PointView PointCloud::view() const {

@@ -35,8 +35,7 @@ class TbbBackend final : public Backend {
   void fill(View<float> values, float value) override;
   void fill(View<std::uint8_t> values, std::uint8_t value) override;
   void fill(View<std::uint32_t> values, std::uint32_t value) override;
-  std::uint32_t exclusive_scan(View<const std::uint32_t> values,
-                               View<std::uint32_t> sums) override;
+  std::uint32_t exclusive_scan(View<const std::uint32_t> values, View<std::uint32_t> sums) override;
   float reduce_sum(View<const float> values) override;
 
   void volume_pack(const VolumeView& volume, const std::array<int, 3>& size, int words_per_row,
@@ -45,7 +44,7 @@ class TbbBackend final : public Backend {
                         View<std::uint64_t> refine) override;
   void points_mark_bricks(const BitView& object, View<std::uint8_t> octants) override;
   void points_count(const BitView& object, const BitView& refine, const BrickView& bricks,
-                    View<std::uint32_t> counts) override;
+                    View<std::uint32_t> counts, View<std::uint32_t> refined) override;
   void points_emit(const BitView& object, const BitView& thin, const BitView& refine,
                    const BrickView& bricks, View<const std::uint32_t> voxel_start,
                    const Scale& scale, const PointOutput& points) override;
@@ -57,8 +56,8 @@ class TbbBackend final : public Backend {
                           std::array<View<const float>, 3> gradients,
                           std::array<View<float>, 3> normals) override;
 
-  void poisson_apply(const LevelView& level, View<const std::uint8_t> unknown,
-                     View<const float> p, View<float> q, View<float> partial) override;
+  void poisson_apply(const LevelView& level, View<const std::uint8_t> unknown, View<const float> p,
+                     View<float> q, View<float> partial) override;
   void poisson_residual(const LevelView& level, View<const std::uint8_t> unknown,
                         View<const float> b, View<const float> x, View<float> r,
                         View<float> partial) override;
@@ -67,6 +66,56 @@ class TbbBackend final : public Backend {
                                View<float> partial) override;
   void poisson_update_direction(const LevelView& level, float beta, View<const float> r,
                                 View<float> p) override;
+
+  void octree_mark_unknown(const LevelView& level, bool whole, View<std::uint8_t> unknown) override;
+  void poisson_splat(const LevelView& level, const PointIndex& index, const PointView& points,
+                     const Scale& scale, const Kernel& kernel,
+                     View<float> right_hand_side) override;
+  void poisson_restrict(const LevelView& coarse, View<const std::int32_t> children,
+                        View<const float> fine_values, View<float> coarse_values) override;
+  void poisson_prolong(const LevelView& fine, View<const std::int32_t> parents,
+                       View<const float> coarse_values, View<float> fine_values) override;
+  void poisson_sample_points(const LevelView& level, const PointIndex& index,
+                             const PointView& points, View<const float> coefficients,
+                             View<float> values) override;
+  void isovalue_splat(const LevelView& level, const PointIndex& index, const PointView& points,
+                      View<const float> values, View<float> numerator,
+                      View<float> denominator) override;
+  void isovalue_smooth(const LevelView& level, int axis, float tap, View<const float> in,
+                       View<float> out) override;
+  void isovalue_divide(float fallback, View<const float> denominator,
+                       View<float> numerator) override;
+  void field_subtract(View<float> a, View<const float> b) override;
+  void lattice_mark(const BitView& object, const BrickView& bricks,
+                    const std::array<int, 3>& radius, View<std::uint8_t> used) override;
+  void lattice_label(const BitView& object, int connectivity, const BrickView& bricks,
+                     const std::array<int, 3>& radius, View<std::uint8_t> state) override;
+  void lattice_sample(const BrickView& bricks, View<const std::int32_t> in_regular,
+                      View<const float> regular, View<const std::int32_t> in_refined,
+                      View<const float> refined, View<float> values) override;
+  void relabel_count(const BrickView& bricks, View<const std::uint8_t> state,
+                     View<const float> values, View<std::uint32_t> counts) override;
+  void relabel_collect(const BrickView& bricks, View<const std::uint8_t> state,
+                       View<const float> values, View<const std::uint32_t> starts,
+                       View<std::uint32_t> nodes) override;
+  std::uint32_t relabel_sweep(const BrickView& bricks, View<const std::uint8_t> simple,
+                              View<const float> values, float threshold,
+                              View<const std::uint32_t> nodes, View<std::uint8_t> state) override;
+  std::uint32_t lattice_mark_far(const BrickView& bricks, const Scale& scale, float limit,
+                                 View<const std::uint8_t> state, View<const float> values,
+                                 View<std::uint8_t> marks) override;
+  void lattice_blend(const BrickView& bricks, View<const std::uint8_t> marks, float radius,
+                     View<const std::uint8_t> state, View<float> values) override;
+  std::uint32_t lattice_clamp(const BrickView& bricks, float least, View<const std::uint8_t> state,
+                              View<float> values) override;
+  void surface_count(const BrickView& bricks, View<const std::uint8_t> state,
+                     View<std::uint8_t> crossed, View<std::uint16_t> node_start,
+                     View<std::uint32_t> vertices, View<std::uint32_t> triangles) override;
+  void surface_emit(const BrickView& bricks, View<const std::uint8_t> state,
+                    View<const float> values, float margin, View<const std::uint8_t> crossed,
+                    View<const std::uint16_t> node_start, View<const std::uint32_t> vertex_start,
+                    View<const std::uint32_t> triangle_start, View<float> vertices,
+                    View<std::uint32_t> triangles) override;
 
  private:
   /// body(i) for i in 0 .. count - 1, in pieces of `grain`, on the arena's workers.
