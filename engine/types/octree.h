@@ -27,10 +27,9 @@ struct OctreeLevel {
   int exponent = 0;  ///< cell side = 2^exponent voxels
   std::array<float, 3> weights{1, 1, 1};
   Bricks bricks;
-  Buffer<std::uint8_t> octants;       ///< a brick: octants that hold samples; 0 in the band's rim
-  Buffer<std::uint8_t> unknown;       ///< a cell: 1 is solved for, 0 keeps the coarser level's value
-  Buffer<float> right_hand_side;      ///< a cell: -volume * divergence of the splatted field
-  Buffer<float> solution;             ///< a cell: coefficient of the quadratic B-spline
+  Buffer<std::uint8_t> unknown;   ///< a cell: 1 is solved for, 0 keeps the coarser level's value
+  Buffer<float> right_hand_side;  ///< a cell: -volume * divergence of the splatted field
+  Buffer<float> solution;         ///< a cell: coefficient of the quadratic B-spline
 
   LevelView view() const { return {exponent, bricks.view(), weights}; }
 };

@@ -29,9 +29,7 @@ struct BitView {
     return (static_cast<std::size_t>(z) * size[1] + y) * words_per_row;
   }
   /// Host memory only; (x, y, z) inside the padded volume.
-  bool test(int x, int y, int z) const {
-    return (words[row(y, z) + (x >> 6)] >> (x & 63)) & 1u;
-  }
+  bool test(int x, int y, int z) const { return (words[row(y, z) + (x >> 6)] >> (x & 63)) & 1u; }
 };
 
 /// Owner of the bits.
