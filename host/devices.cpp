@@ -1,0 +1,147 @@
+/// Devices of all backends: their list, the choice of one, and the Context made of it.
+
+#include <tbb/version.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cstdlib>
+#include <fstream>
+#include <thread>
+
+#include "backend/backend.h"
+#include "tbb/backend.h"
+#include "vasamesh/errors.h"
+#include "vasamesh/host.h"
+#ifdef VASAMESH_WITH_OPENCL
+#include "opencl/backend.h"
+#endif
+
+namespace vasamesh {
+
+namespace {
+
+constexpr char kDeviceVariable[] = "VASAMESH_DEVICE";
+
+/// The processor's name as the kernel states it, else "CPU".
+std::string processor_name() {
+  std::ifstream info("/proc/cpuinfo");
+  for (std::string line; std::getline(info, line);) {
+    const std::size_t colon = line.find(": ");
+    if (line.starts_with("model name") && colon != std::string::npos) return line.substr(colon + 2);
+  }
+  return "CPU";
+}
+
+DeviceInfo describe_cpu() {
+  DeviceInfo info;
+  info.backend = "tbb";
+  info.type = "cpu";
+  info.name = processor_name();
+  info.driver = std::string("oneTBB ") + TBB_runtime_version();
+  info.memory = static_cast<std::int64_t>(sysconf(_SC_PHYS_PAGES)) * sysconf(_SC_PAGE_SIZE);
+  info.compute_units = static_cast<int>(std::thread::hardware_concurrency());
+  info.doubles = true;
+  return info;
+}
+
+std::string lower(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
+std::string describe(const std::vector<DeviceInfo>& devices) {
+  std::string text;
+  for (const DeviceInfo& device : devices)
+    text += (text.empty() ? "" : ", ") + std::to_string(device.number) + " (" + device.backend +
+            ", " + device.type + ", " + device.name + ")";
+  return text.empty() ? "none" : text;
+}
+
+/// The devices whose number or type is `wanted`, or else whose name holds it, case ignored. Of one
+/// type it is the first.
+std::vector<DeviceInfo> matching(const std::vector<DeviceInfo>& devices,
+                                 const std::string& wanted) {
+  std::vector<DeviceInfo> found;
+  for (const DeviceInfo& device : devices)
+    if (std::to_string(device.number) == wanted || device.type == wanted) return {device};
+  std::copy_if(devices.begin(), devices.end(), std::back_inserter(found),
+               [&](const DeviceInfo& device) {
+                 return lower(device.name).find(wanted) != std::string::npos;
+               });
+  return found;
+}
+
+/// The one device that is asked for. \throws Error no_device, naming the choices.
+DeviceInfo choose(const std::vector<DeviceInfo>& devices, const std::string& wanted,
+                  const std::string& asked_by) {
+  const std::vector<DeviceInfo> found = matching(devices, lower(wanted));
+  if (found.size() == 1) return found[0];
+  throw Error(ErrorCode::no_device, asked_by + ": \"" + wanted + "\" fits " +
+                                        (found.empty() ? "no device" : "several devices") +
+                                        ": give the number or more of the name of one of " +
+                                        describe(found.empty() ? devices : found));
+}
+
+/// The devices that the named backend may run on; "auto" may use all.
+std::vector<DeviceInfo> devices_of(const std::string& backend) {
+  std::vector<DeviceInfo> devices = list_devices();
+  if (backend != "auto")
+    std::erase_if(devices, [&](const DeviceInfo& device) { return device.backend != backend; });
+  if (devices.empty())
+    throw Error(ErrorCode::no_device,
+                "--backend " + backend +
+                    ": no such device here: install a driver (pocl-opencl-icd runs on any CPU), or "
+                    "use --backend tbb");
+  return devices;
+}
+
+DeviceInfo choose(const ContextOptions& options) {
+  const std::vector<DeviceInfo> devices = devices_of(options.backend);
+  if (!options.device.empty()) return choose(devices, options.device, "--device");
+  if (const char* variable = std::getenv(kDeviceVariable); variable && *variable)
+    return choose(devices, variable, kDeviceVariable);
+  return devices[0];
+}
+
+#ifdef VASAMESH_WITH_OPENCL
+std::shared_ptr<Backend> open_opencl(int device) {
+  OpenClOptions options;
+  options.device = device;
+  return make_opencl_backend(options);
+}
+#else
+std::vector<DeviceInfo> list_opencl_devices() { return {}; }
+
+std::shared_ptr<Backend> open_opencl(int) {
+  throw Error(ErrorCode::no_device, "this build has no OpenCL backend: use --backend tbb");
+}
+#endif
+
+}  // namespace
+
+std::vector<DeviceInfo> list_devices() {
+  std::vector<DeviceInfo> devices{describe_cpu()};
+  for (DeviceInfo& device : list_opencl_devices()) {
+    device.number = static_cast<int>(devices.size());
+    devices.push_back(std::move(device));
+  }
+  return devices;
+}
+
+Context make_context(const ContextOptions& options) {
+  if (options.backend != "auto" && options.backend != "tbb" && options.backend != "opencl")
+    throw Error(ErrorCode::usage,
+                "--backend " + options.backend + ": no such backend, use auto, tbb or opencl");
+  if (options.threads < 0)
+    throw Error(ErrorCode::usage, "--threads " + std::to_string(options.threads) +
+                                      ": must be 0 (all of the machine's) or more");
+  const DeviceInfo device = choose(options);
+  Context context;
+  if (device.backend == "opencl") context.backends.push_back(open_opencl(device.number - 1));
+  context.backends.push_back(make_tbb_backend(options.threads, options.task_arena));
+  return context;
+}
+
+}  // namespace vasamesh

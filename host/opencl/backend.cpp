@@ -1,0 +1,169 @@
+#include "opencl/backend.h"
+
+#include <algorithm>
+#include <bit>
+#include <utility>
+#include <vector>
+
+#include "opencl/opencl_backend.h"
+#include "vasamesh/errors.h"
+
+namespace vasamesh {
+
+namespace {
+
+constexpr std::size_t kReduceLast = 8192;  // sums that one work-group adds
+
+std::size_t pieces(std::size_t count, std::size_t size) { return (count + size - 1) / size; }
+
+WorkShape shape_for(const cl::Device& device, KernelShape wanted) {
+  if (wanted == KernelShape::by_device)
+    wanted = device.getInfo<CL_DEVICE_TYPE>() & CL_DEVICE_TYPE_CPU ? KernelShape::one_item
+                                                                   : KernelShape::work_group;
+  return wanted == KernelShape::one_item ? kOneItemShape : kWorkGroupShape;
+}
+
+/// Turns block totals into the blocks' starts, in place. \return the sum of all.
+std::uint64_t starts_of(std::vector<std::uint64_t>& totals) {
+  std::uint64_t sum = 0;
+  for (std::uint64_t& total : totals) sum += std::exchange(total, sum);
+  return sum;
+}
+
+}  // namespace
+
+std::shared_ptr<Backend> make_opencl_backend(const OpenClOptions& options) {
+  const std::vector<cl::Device> devices = opencl_devices();
+  if (devices.empty())
+    throw Error(ErrorCode::no_device,
+                "no OpenCL device: install a driver (pocl-opencl-icd runs on any CPU), or use "
+                "--backend tbb");
+  if (options.device < 0 || static_cast<std::size_t>(options.device) >= devices.size())
+    throw Error(ErrorCode::no_device, "no OpenCL device " + std::to_string(options.device) +
+                                          " of " + std::to_string(devices.size()) +
+                                          ": see vasamesh devices");
+  const cl::Device& device = devices[static_cast<std::size_t>(options.device)];
+  return std::make_shared<OpenClBackend>(device, shape_for(device, options.shape),
+                                         ProgramCache(options.cache_folder));
+}
+
+OpenClBackend::OpenClBackend(cl::Device device, const WorkShape& shape, ProgramCache cache)
+    : device_(std::move(device)),
+      device_name_(device_.getInfo<CL_DEVICE_NAME>()),
+      largest_buffer_(device_.getInfo<CL_DEVICE_MAX_MEM_ALLOC_SIZE>()),
+      shape_(shape) {
+  cl_int status = CL_SUCCESS;
+  context_ = cl::Context(device_, nullptr, nullptr, nullptr, &status);
+  if (status == CL_SUCCESS) queue_ = cl::CommandQueue(context_, device_, 0, &status);
+  if (status != CL_SUCCESS)
+    throw Error(ErrorCode::no_device, "OpenCL device " + device_name_ + " cannot be opened, " +
+                                          status_name(status) +
+                                          ": choose another (see vasamesh devices), or use "
+                                          "--backend tbb");
+  programs_.emplace(context_, device_, shape_, std::move(cache));
+}
+
+void* OpenClBackend::allocate(std::size_t bytes) {
+  const std::size_t held = held_ + bytes;
+  if (limit_ && held > limit_)
+    throw Error(ErrorCode::refused, "the conversion needs more memory than --max-memory allows (" +
+                                        std::to_string(held) + " of " + std::to_string(limit_) +
+                                        " bytes): allow more, or convert a part of the volume");
+  if (bytes > largest_buffer_)
+    throw Error(ErrorCode::refused, device_name_ + " gives buffers of at most " +
+                                        std::to_string(largest_buffer_) + " bytes, not " +
+                                        std::to_string(bytes) + ": use --backend tbb");
+  cl_int status = CL_SUCCESS;
+  cl_mem memory = clCreateBuffer(context_(), CL_MEM_READ_WRITE, bytes, nullptr, &status);
+  check(status, "allocating " + std::to_string(bytes) + " bytes on " + device_name_);
+  held_ = held;
+  peak_ = std::max(peak_, held);
+  return memory;
+}
+
+/// Commands that are queued keep the memory until they are done.
+void OpenClBackend::release(void* handle, std::size_t bytes) noexcept {
+  held_ -= bytes;
+  clReleaseMemObject(static_cast<cl_mem>(handle));
+}
+
+void OpenClBackend::write(void* handle, std::size_t offset, const void* from, std::size_t bytes) {
+  check(clEnqueueWriteBuffer(queue_(), static_cast<cl_mem>(handle), CL_TRUE, offset, bytes, from, 0,
+                             nullptr, nullptr),
+        "copying " + std::to_string(bytes) + " bytes to " + device_name_);
+}
+
+void OpenClBackend::read(const void* handle, std::size_t offset, void* to, std::size_t bytes) {
+  const auto memory = static_cast<cl_mem>(const_cast<void*>(handle));
+  check(clEnqueueReadBuffer(queue_(), memory, CL_TRUE, offset, bytes, to, 0, nullptr, nullptr),
+        "copying " + std::to_string(bytes) + " bytes from " + device_name_);
+}
+
+template <class T>
+void OpenClBackend::fill_view(View<T> values, T value) {
+  if (values.size == 0) return;
+  check(
+      clEnqueueFillBuffer(queue_(), static_cast<cl_mem>(values.handle), &value, sizeof(T),
+                          values.offset * sizeof(T), values.size * sizeof(T), 0, nullptr, nullptr),
+      "fill on " + device_name_);
+}
+
+void OpenClBackend::fill(View<float> values, float value) { fill_view(values, value); }
+
+void OpenClBackend::fill(View<std::uint8_t> values, std::uint8_t value) {
+  fill_view(values, value);
+}
+
+void OpenClBackend::fill(View<std::uint32_t> values, std::uint32_t value) {
+  fill_view(values, value);
+}
+
+/// Totals of the blocks are scanned here: the caller waits for the sum of all anyhow.
+std::uint32_t OpenClBackend::exclusive_scan(View<const std::uint32_t> values,
+                                            View<std::uint32_t> sums) {
+  const std::size_t blocks = pieces(values.size, static_cast<std::size_t>(shape_.scan_block()));
+  std::vector<std::uint64_t> totals(blocks);
+  const cl_ulong count = values.size;
+  if (blocks) {
+    totals_.resize(*this, blocks);
+    launch("primitives_scan_totals", blocks, shape_.scan_items, values, count, totals_.view());
+    download<std::uint64_t>(totals_.view(), totals);
+  }
+  const std::uint64_t sum = starts_of(totals);
+  if (sum > 0xffffffffu)
+    throw Error(ErrorCode::refused, "more than 2^32 elements: convert a part of the volume");
+  if (blocks) {
+    upload<std::uint64_t>(totals_.view(), totals);
+    launch("primitives_scan_blocks", blocks, shape_.scan_items, values, count, totals_.view(),
+           sums);
+  }
+  const auto total = static_cast<std::uint32_t>(sum);
+  upload<std::uint32_t>(sums.subview(values.size, 1), {&total, 1});
+  return total;
+}
+
+float OpenClBackend::reduce_sum(View<const float> values) {
+  float sum = 0;
+  if (values.size == 0) return sum;
+  if (values.size == 1) {
+    download<float>(values, {&sum, 1});
+    return sum;
+  }
+  const cl_ulong count = values.size;
+  cl_ulong half = std::bit_ceil(values.size) / 2;
+  const auto groups = [this](cl_ulong sums) {
+    return pieces(sums, static_cast<std::size_t>(shape_.fold_items));
+  };
+  sums_.resize(*this, half);
+  launch("primitives_reduce_first", groups(half), shape_.fold_items, values, count, half,
+         sums_.view());
+  for (half /= 2; half > kReduceLast; half /= 2)
+    launch("primitives_reduce_fold", groups(half), shape_.fold_items, sums_.view(), half);
+  if (half)
+    launch("primitives_reduce_last", 1, shape_.reduce_items, sums_.view(),
+           static_cast<cl_uint>(half));
+  download<float>(sums_.view().subview(0, 1), {&sum, 1});
+  return sum;
+}
+
+}  // namespace vasamesh

@@ -1,0 +1,101 @@
+#include "opencl/program_cache.h"
+
+#include <unistd.h>
+
+#include <atomic>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <system_error>
+
+namespace vasamesh {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr char kMagic[] = "vasamesh program 1\n";
+
+/// FNV-1a, 64 bits.
+std::uint64_t hash(const std::string& bytes) {
+  std::uint64_t value = 0xcbf29ce484222325u;
+  for (const char byte : bytes) {
+    value ^= static_cast<unsigned char>(byte);
+    value *= 0x100000001b3u;
+  }
+  return value;
+}
+
+std::string hexadecimal(std::uint64_t value) {
+  char text[17];
+  std::snprintf(text, sizeof(text), "%016llx", static_cast<unsigned long long>(value));
+  return text;
+}
+
+/// A file is its prefix, its seal and the binary. The prefix holds the key in full, so that a
+/// colliding hash does no harm; the seal the binary's size and hash, so that damage shows.
+std::string prefix_of(const std::string& key) {
+  std::string prefix = kMagic;
+  prefix += std::to_string(key.size());
+  prefix += "\n";
+  return prefix + key + "\n";
+}
+
+std::string seal_of(const std::string& binary) {
+  return std::to_string(binary.size()) + " " + hexadecimal(hash(binary)) + "\n";
+}
+
+fs::path default_folder() {
+  if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache && *cache)
+    return fs::path(cache) / "vasamesh";
+  if (const char* home = std::getenv("HOME"); home && *home)
+    return fs::path(home) / ".cache" / "vasamesh";
+  return {};
+}
+
+bool write_file(const fs::path& path, const std::string& content) {
+  std::ofstream file(path, std::ios::binary | std::ios::trunc);
+  file.write(content.data(), static_cast<std::streamsize>(content.size()));
+  file.close();
+  return file.good();
+}
+
+}  // namespace
+
+ProgramCache::ProgramCache(fs::path folder)
+    : folder_(folder.empty() ? default_folder() : std::move(folder)) {}
+
+fs::path ProgramCache::path(const std::string& key) const {
+  return folder_ / (hexadecimal(hash(key)) + ".clbin");
+}
+
+std::optional<std::string> ProgramCache::load(const std::string& key) const {
+  if (folder_.empty()) return std::nullopt;
+  std::ifstream file(path(key), std::ios::binary);
+  const std::string content{std::istreambuf_iterator<char>(file), {}};
+  const std::string prefix = prefix_of(key);
+  if (!content.starts_with(prefix)) return std::nullopt;
+  const std::size_t seal_end = content.find('\n', prefix.size());
+  if (seal_end == std::string::npos) return std::nullopt;
+  std::string binary = content.substr(seal_end + 1);
+  if (content.compare(prefix.size(), seal_end + 1 - prefix.size(), seal_of(binary)) != 0)
+    return std::nullopt;
+  return binary;
+}
+
+void ProgramCache::store(const std::string& key, const std::string& binary) const {
+  static std::atomic<unsigned> counter{0};
+  if (folder_.empty()) return;
+  std::error_code ignored;
+  fs::create_directories(folder_, ignored);
+  const fs::path file = path(key);
+  fs::path temporary = file;
+  temporary += "." + std::to_string(getpid()) + "." + std::to_string(counter++);
+  if (write_file(temporary, prefix_of(key) + seal_of(binary) + binary))
+    fs::rename(temporary, file, ignored);
+  fs::remove(temporary, ignored);
+}
+
+}  // namespace vasamesh

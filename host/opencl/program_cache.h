@@ -1,0 +1,31 @@
+#pragma once
+
+/// \file
+/// Built programs on disk: one file a key. Files are written under a temporary name and renamed, so
+/// that any number of processes may share a folder; a file that is damaged or of another key counts
+/// as absent. Nothing here throws: a cache that cannot be used costs a build.
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+namespace vasamesh {
+
+class ProgramCache {
+ public:
+  /// \param folder  made when it is first needed; empty: $XDG_CACHE_HOME/vasamesh or
+  ///        ~/.cache/vasamesh, and no cache where neither variable is set.
+  explicit ProgramCache(std::filesystem::path folder);
+
+  /// What was stored under the key, whole and unchanged.
+  std::optional<std::string> load(const std::string& key) const;
+  void store(const std::string& key, const std::string& binary) const;
+
+  /// The key's file.
+  std::filesystem::path path(const std::string& key) const;
+
+ private:
+  std::filesystem::path folder_;
+};
+
+}  // namespace vasamesh

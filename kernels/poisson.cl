@@ -1,0 +1,93 @@
+/// \file
+/// The conjugate gradient's passes (eq. 2 of the paper on one level of bricks). Contracts and
+/// order of arithmetic: engine/backend/backend.h.
+
+/// Row of A p, unmasked.
+static float8 poisson_row(global const float *field, global const int *near, float4 weights,
+                          int row) {
+  const int y = row & 7, z = row >> 3;
+  const float8 p = brick_row(field, near, y, z);
+  const float left = brick_cell_beside(field, near, -1, 7, row);
+  const float right = brick_cell_beside(field, near, 1, 0, row);
+  const float8 two = 2.0f * p;
+  const float8 tx = (two - (float8)(left, p.s0123, p.s45, p.s6)) -
+                    (float8)(p.s1234, p.s56, p.s7, right);
+  const float8 ty = (two - brick_row(field, near, y - 1, z)) - brick_row(field, near, y + 1, z);
+  const float8 tz = (two - brick_row(field, near, y, z - 1)) - brick_row(field, near, y, z + 1);
+  return (weights.x * tx + weights.y * ty) + weights.z * tz;
+}
+
+/// `value` where a cell of the row is unknown, else 0.
+static float8 poisson_where_unknown(global const uchar *unknown, size_t row, float8 value) {
+  return select((float8)(0.0f), value, convert_int8(vload8(row, unknown)) != 0);
+}
+
+kernel __attribute__((reqd_work_group_size(BRICK_ITEMS, 1, 1))) void poisson_apply(
+    global const int *neighbours, ulong neighbours_first, float4 weights,
+    global const uchar *unknown, ulong unknown_first, global const float *p, ulong p_first,
+    global float *q, ulong q_first, global float *partial, ulong partial_first) {
+  BRICK_SUM(sum);
+  const size_t brick = get_group_id(0);
+  global const int *near = neighbours + neighbours_first + brick * NEIGHBOURS;
+  unknown += unknown_first + brick * BRICK_CELLS;
+  p += p_first;
+  q += q_first + brick * BRICK_CELLS;
+  for (int row = get_local_id(0); row < BRICK_ROWS; row += BRICK_ITEMS) {
+    const float8 value = poisson_where_unknown(unknown, row, poisson_row(p, near, weights, row));
+    vstore8(value, row, q);
+    brick_sum_add(sum, row, vload8(row, p + brick * BRICK_CELLS) * value);
+  }
+  const float total = brick_sum_finish(sum);
+  if (get_local_id(0) == 0) partial[partial_first + brick] = total;
+}
+
+kernel __attribute__((reqd_work_group_size(BRICK_ITEMS, 1, 1))) void poisson_residual(
+    global const int *neighbours, ulong neighbours_first, float4 weights,
+    global const uchar *unknown, ulong unknown_first, global const float *b, ulong b_first,
+    global const float *x, ulong x_first, global float *r, ulong r_first, global float *partial,
+    ulong partial_first) {
+  BRICK_SUM(sum);
+  const size_t brick = get_group_id(0);
+  global const int *near = neighbours + neighbours_first + brick * NEIGHBOURS;
+  unknown += unknown_first + brick * BRICK_CELLS;
+  b += b_first + brick * BRICK_CELLS;
+  x += x_first;
+  r += r_first + brick * BRICK_CELLS;
+  for (int row = get_local_id(0); row < BRICK_ROWS; row += BRICK_ITEMS) {
+    const float8 difference = vload8(row, b) - poisson_row(x, near, weights, row);
+    const float8 value = poisson_where_unknown(unknown, row, difference);
+    vstore8(value, row, r);
+    brick_sum_add(sum, row, value * value);
+  }
+  const float total = brick_sum_finish(sum);
+  if (get_local_id(0) == 0) partial[partial_first + brick] = total;
+}
+
+kernel __attribute__((reqd_work_group_size(BRICK_ITEMS, 1, 1))) void poisson_update_solution(
+    float alpha, global const float *p, ulong p_first, global const float *q, ulong q_first,
+    global float *x, ulong x_first, global float *r, ulong r_first, global float *partial,
+    ulong partial_first) {
+  BRICK_SUM(sum);
+  const size_t brick = get_group_id(0);
+  p += p_first + brick * BRICK_CELLS;
+  q += q_first + brick * BRICK_CELLS;
+  x += x_first + brick * BRICK_CELLS;
+  r += r_first + brick * BRICK_CELLS;
+  for (int row = get_local_id(0); row < BRICK_ROWS; row += BRICK_ITEMS) {
+    const float8 value = vload8(row, r) - alpha * vload8(row, q);
+    vstore8(vload8(row, x) + alpha * vload8(row, p), row, x);
+    vstore8(value, row, r);
+    brick_sum_add(sum, row, value * value);
+  }
+  const float total = brick_sum_finish(sum);
+  if (get_local_id(0) == 0) partial[partial_first + brick] = total;
+}
+
+kernel __attribute__((reqd_work_group_size(BRICK_ITEMS, 1, 1))) void poisson_update_direction(
+    float beta, global const float *r, ulong r_first, global float *p, ulong p_first) {
+  const size_t brick = get_group_id(0);
+  r += r_first + brick * BRICK_CELLS;
+  p += p_first + brick * BRICK_CELLS;
+  for (int row = get_local_id(0); row < BRICK_ROWS; row += BRICK_ITEMS)
+    vstore8(vload8(row, r) + beta * vload8(row, p), row, p);
+}
