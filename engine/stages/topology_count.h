@@ -19,24 +19,18 @@
 #include <vector>
 
 #include "backend/backend.h"
+#include "stages/runs.h"
 #include "types/volume.h"
 #include "vasamesh/report.h"
 
 namespace vasamesh {
 
-/// Voxels begin .. end - 1 of one row of the padded volume.
-struct Run {
-  std::int32_t begin, end;
-};
-
 /// Which piece an object voxel belongs to.
 struct PieceLookup {
   static constexpr std::int32_t kNone = -1;
 
-  std::array<int, 3> size{0, 0, 0};        ///< the padded volume's
-  std::vector<std::uint32_t> row_first;    ///< first run of each row y + size[1] z, and the end
-  std::vector<Run> runs;                   ///< object runs in raster order
-  std::vector<std::int32_t> piece;         ///< a run: index into InputFindings::pieces
+  RunTable table;                   ///< the object's runs
+  std::vector<std::int32_t> piece;  ///< a run: index into InputFindings::pieces
 
   /// The piece of padded voxel (x, y, z); kNone for background and outside the volume.
   std::int32_t at(int x, int y, int z) const;
@@ -44,7 +38,7 @@ struct PieceLookup {
 
 struct Solid {
   InputFindings findings;
-  Topology topology;     ///< sums over the pieces
+  Topology topology;  ///< sums over the pieces
   PieceLookup lookup;
 };
 
