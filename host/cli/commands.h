@@ -3,8 +3,6 @@
 /// \file
 /// The subcommands of the program: what each was asked for, and the function that does it.
 
-#include <cstdint>
-#include <optional>
 #include <string>
 
 #include "io/volume_reader.h"
@@ -31,7 +29,6 @@ struct CheckRequest {
   std::string volume;     ///< --against; empty: none
   std::string reference;  ///< --reference; empty: none
   bool json = false;
-  bool quiet = false;
   ReadOptions read;
   Connectivity connectivity = Connectivity::vertex;
   Space space = Space::lps;  ///< of the surface's coordinates
@@ -43,21 +40,13 @@ struct PhantomRequest {
   std::string name;
   std::string output;
   std::string surface;  ///< for the exact surface; empty: none
-  bool list = false;
-  bool quiet = false;
   PhantomOptions options;
 };
 
-/// `vasamesh devices`.
-struct DevicesRequest {
-  bool json = false;
-};
-
-/// Each does the whole command and returns the program's exit code; results go to stdout.
-/// \throws Error
-int run_convert(const ConvertRequest& request);
-int run_check(const CheckRequest& request);
-int run_phantom(const PhantomRequest& request);
-int run_devices(const DevicesRequest& request);
+/// Each does one whole command; results go to stdout. \throws Error
+void run_convert(const ConvertRequest& request);
+void run_check(const CheckRequest& request);
+void run_phantom(const PhantomRequest& request);
+void run_devices();
 
 }  // namespace vasamesh::cli

@@ -50,4 +50,9 @@ Segmentation read_segmentation(const std::string& path, const ReadOptions& optio
 /// \throws Error usage (unknown ending), refused (folder missing or not writable, disk full).
 void write_segmentation(const std::string& path, const Segmentation& segmentation);
 
+/// What write_segmentation would refuse, found before any work is done.
+/// \throws Error usage (unknown ending), refused (folder missing or not writable, a folder of that
+///         name).
+void check_volume_path(const std::string& path);
+
 }  // namespace vasamesh

@@ -1,0 +1,143 @@
+/// \file
+/// `vasamesh check`: everything that a solver depends on, for any surface file.
+
+#include <fmt/core.h>
+
+#include <cmath>
+#include <optional>
+
+#include "cli/commands.h"
+#include "cli/interrupt.h"
+#include "cli/summary.h"
+#include "io/marching_cubes.h"
+#include "io/report_json.h"
+#include "io/surface_io.h"
+#include "io/volume_reader.h"
+#include "stages/distance.h"
+#include "stages/points.h"
+#include "stages/quality.h"
+#include "stages/topology_count.h"
+#include "stages/verify.h"
+
+namespace vasamesh::cli {
+
+namespace {
+
+struct Examination {
+  CheckReport check;
+  QualityReport quality;
+  std::optional<DistanceReport> distance;
+  bool voxel_known = false;
+};
+
+/// From the space of the surface file to LPS.
+void move_to_lps(TriangleMesh& mesh, Space space, const Geometry& geometry) {
+  if (space == Space::lps) return;
+  for (std::size_t i = 0; i < mesh.vertices.size(); i += 3) {
+    float* v = &mesh.vertices[i];
+    if (space == Space::ras) {
+      v[0] = -v[0];
+      v[1] = -v[1];
+      continue;
+    }
+    const std::array<double, 3> p = {v[0], v[1], v[2]};
+    for (std::size_t row = 0; row < 3; ++row) {
+      const double* d = &geometry.direction[3 * row];
+      v[row] = static_cast<float>(geometry.origin[row] + d[0] * p[0] + d[1] * p[1] + d[2] * p[2]);
+    }
+  }
+}
+
+double voxel_length(const Geometry& geometry) {
+  return std::cbrt(geometry.spacing[0] * geometry.spacing[1] * geometry.spacing[2]);
+}
+
+/// Where no volume tells the voxel: the side of the reference's mean triangle as a square.
+double sampling_length(const QualityReport& quality, std::size_t triangles) {
+  return std::sqrt(quality.area / static_cast<double>(triangles));
+}
+
+CheckReport check_against(Backend& backend, const TriangleMesh& mesh, const Segmentation& volume,
+                          const CheckRequest& request) {
+  const BitVolume object = pack_volume(backend, volume.view());
+  const Solid solid =
+      examine_solid(backend, object.view(), volume.geometry.size, request.connectivity);
+  const SolidMatch wanted{&solid, volume.geometry, request.space};
+  return check_surface(backend, mesh, &wanted);
+}
+
+/// The surface that distances are measured to: a file's, or marching cubes of the volume.
+std::optional<TriangleMesh> reference_surface(const CheckRequest& request,
+                                              const std::optional<Segmentation>& volume) {
+  if (!request.reference.empty()) return read_surface(request.reference);
+  if (volume) return marching_cubes(*volume);
+  return std::nullopt;
+}
+
+Examination examine(const CheckRequest& request) {
+  TriangleMesh mesh = read_surface(request.surface);
+  std::optional<Segmentation> volume;
+  if (!request.volume.empty()) volume = read_segmentation(request.volume, request.read);
+  const Context context = make_context({"tbb", "", request.threads, nullptr});
+  Backend& backend = *context.backends.back();
+
+  Examination result;
+  result.voxel_known = volume.has_value();
+  result.check = volume ? check_against(backend, mesh, *volume, request)
+                        : check_surface(backend, mesh, nullptr);
+  result.quality = measure_quality(backend, mesh);
+  if (const auto reference = reference_surface(request, volume)) {
+    const double voxel =
+        volume ? voxel_length(volume->geometry)
+               : sampling_length(measure_quality(backend, *reference), reference->triangle_count());
+    if (request.reference.empty()) move_to_lps(mesh, request.space, volume->geometry);
+    result.distance = measure_distance(backend, mesh, *reference, voxel);
+  }
+  return result;
+}
+
+nlohmann::ordered_json to_json(const OneWayDistance& d, double voxel, bool voxel_known) {
+  nlohmann::ordered_json json = {{"mean_mm", d.mean}, {"rms_mm", d.rms}, {"maximum_mm", d.maximum}};
+  if (voxel_known) {
+    json["mean_voxels"] = d.mean / voxel;
+    json["rms_voxels"] = d.rms / voxel;
+    json["maximum_voxels"] = d.maximum / voxel;
+  }
+  return json;
+}
+
+nlohmann::ordered_json to_json(const CheckRequest& request, const Examination& result) {
+  nlohmann::ordered_json json = {{"schema_version", Report::kSchemaVersion},
+                                 {"surface", request.surface},
+                                 {"check", vasamesh::to_json(result.check)},
+                                 {"quality", vasamesh::to_json(result.quality)}};
+  if (result.distance) {
+    const DistanceReport& d = *result.distance;
+    json["distance"] = {{"to", to_json(d.to, d.voxel, result.voxel_known)},
+                        {"back", to_json(d.back, d.voxel, result.voxel_known)}};
+    if (result.voxel_known) json["distance"]["voxel_mm"] = d.voxel;
+  }
+  return json;
+}
+
+void print(const CheckRequest& request, const Examination& result) {
+  if (request.json) {
+    fmt::print("{}\n", to_json(request, result).dump(2));
+    return;
+  }
+  print_check(request.surface, result.check, result.quality);
+  if (result.distance) print_distance(*result.distance, result.voxel_known);
+  fmt::print("  {:<28}{}\n", "verdict", result.check.passed ? "passed" : "failed");
+}
+
+}  // namespace
+
+void run_check(const CheckRequest& request) {
+  catch_interrupts(false);
+  const Examination result = examine(request);
+  print(request, result);
+  if (!result.check.passed)
+    throw Error(ErrorCode::failed_check, request.surface + ": " + result.check.reason);
+}
+
+}  // namespace vasamesh::cli

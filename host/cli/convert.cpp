@@ -1,0 +1,75 @@
+/// \file
+/// `vasamesh convert`: a volume file in, a surface file and a report out.
+
+#include <chrono>
+#include <filesystem>
+
+#include "cli/commands.h"
+#include "cli/interrupt.h"
+#include "cli/progress.h"
+#include "cli/summary.h"
+#include "io/atomic_file.h"
+#include "io/report_json.h"
+#include "io/surface_io.h"
+#include "io/volume_reader.h"
+#include "vasamesh/pipeline.h"
+
+namespace vasamesh::cli {
+
+namespace {
+
+/// Everything that can be refused is, before any work.
+void check_request(const ConvertRequest& request) {
+  validate(request.parameters);
+  check_output_path(request.output);
+  if (request.report.empty()) return;
+  check_writable(request.report);
+  if (std::filesystem::path(request.report).lexically_normal() ==
+      std::filesystem::path(request.output).lexically_normal())
+    throw Error(ErrorCode::usage, "--report names the same file as --output: give it another name");
+}
+
+/// Runs `work`, and says how long it took: reading and writing are stages of the program.
+template <class Work>
+StageReport timed(const char* name, const Work& work) {
+  const auto start = std::chrono::steady_clock::now();
+  work();
+  StageReport stage;
+  stage.name = name;
+  stage.backend = "host";
+  stage.device = "file";
+  stage.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return stage;
+}
+
+}  // namespace
+
+void run_convert(const ConvertRequest& request) {
+  catch_interrupts(true);
+  check_request(request);
+  Context context = make_context(request.context);
+  Progress progress(request.quiet);
+  context.cancel = &interrupted();
+  context.progress = [&](std::string_view phase, double fraction) {
+    progress.show(phase, fraction);
+    return !interrupted();
+  };
+
+  Segmentation volume;
+  progress.show("read", 0);
+  const StageReport read =
+      timed("read", [&] { volume = read_segmentation(request.input, request.read); });
+  stop_if_interrupted();
+  Result result = convert(volume.view(), request.parameters, context);
+  stop_if_interrupted();
+  progress.show("write", 0);
+  const StageReport write =
+      timed("write", [&] { write_surface(request.output, result.mesh, request.parameters.space); });
+  result.report.stages.insert(result.report.stages.begin(), read);
+  result.report.stages.push_back(write);
+  if (!request.report.empty()) write_file(request.report, to_json(result.report).dump(2) + "\n");
+  progress.clear();
+  if (!request.quiet) print_conversion(request.input, request.output, result.report);
+}
+
+}  // namespace vasamesh::cli

@@ -1,0 +1,171 @@
+#include "cli/options.h"
+
+#include <fmt/core.h>
+
+#include <charconv>
+#include <map>
+#include <vector>
+
+namespace vasamesh::cli {
+
+namespace {
+
+constexpr const char* kConvertExamples =
+    "Examples:\n"
+    "  vasamesh convert scan.nii.gz -o vessel.vtp\n"
+    "  vasamesh convert labels.nrrd --label 3 -o vessel.stl --report vessel.json\n"
+    "  vasamesh convert dicom_folder --threshold 180 --min-component 100 -o vessel.ply\n"
+    "  vasamesh convert scan.mha -o vessel.obj --space ras --threads 4";
+
+constexpr const char* kCheckExamples =
+    "Ends with code 4 when the surface fails. Examples:\n"
+    "  vasamesh check vessel.stl\n"
+    "  vasamesh check vessel.stl --against scan.nii.gz\n"
+    "  vasamesh check vessel.ply --reference exact.ply --json";
+
+/// The value of `text` in `names`, one of which it is: IsMember has checked that.
+template <class Value>
+void add_choice(CLI::App* app, const std::string& name, const std::map<std::string, Value>& names,
+                Value& value, const std::string& help, const std::string& standard) {
+  std::vector<std::string> keys;
+  for (const auto& entry : names) keys.push_back(entry.first);
+  app->add_option_function<std::string>(
+         name, [names, &value](const std::string& text) { value = names.at(text); }, help)
+      ->check(CLI::IsMember(keys))
+      ->default_str(standard);
+}
+
+void add_connectivity(CLI::App* app, Connectivity& connectivity) {
+  add_choice<Connectivity>(
+      app, "--connectivity",
+      {{"6", Connectivity::face}, {"18", Connectivity::edge}, {"26", Connectivity::vertex}},
+      connectivity, "Which contacts join voxels: faces (6), edges too (18), corners too (26)",
+      "26");
+}
+
+void add_space(CLI::App* app, Space& space, const std::string& help) {
+  add_choice<Space>(app, "--space",
+                    {{"lps", Space::lps}, {"ras", Space::ras}, {"voxel", Space::voxel}}, space,
+                    help, "lps");
+}
+
+void set_label(const std::string& text, ReadOptions& read) {
+  if (text == "any") {
+    read.any_label = true;
+    return;
+  }
+  std::int64_t label = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), label);
+  if (error != std::errc() || end != text.data() + text.size())
+    throw CLI::ValidationError("--label", "give a whole number or 'any', not '" + text + "'");
+  read.label = label;
+}
+
+void add_selection(CLI::App* app, ReadOptions& read) {
+  CLI::Option* label = app->add_option_function<std::string>(
+      "--label", [&read](const std::string& text) { set_label(text, read); },
+      "The object's value in the volume, or 'any' for all but 0");
+  app->add_option("--threshold", read.threshold, "The object is this value and above")
+      ->excludes(label);
+  label->type_name("N|any");
+}
+
+void add_threads(CLI::App* app, int& threads) {
+  app->add_option("--threads", threads, "Threads; 0: as many as the machine has")
+      ->check(CLI::Range(0, 4096))
+      ->capture_default_str();
+}
+
+void add_parameters(CLI::App* app, Parameters& p, std::int64_t& read_memory) {
+  app->add_option("--neighbours", p.neighbours, "Points of a normal's covariance, 3 to 64")
+      ->capture_default_str();
+  add_choice<NormalMode>(
+      app, "--normals",
+      {{"covariance", NormalMode::covariance}, {"gradient", NormalMode::gradient}}, p.normals,
+      "How normals are estimated", "covariance");
+  app->add_option("--depth", p.depth, "Depth of the octree; 0: one cell a voxel")
+      ->capture_default_str();
+  app->add_option("--kernel-width", p.kernel_width, "Smoothing, in voxels, 0.5 to 4")
+      ->capture_default_str();
+  add_connectivity(app, p.connectivity);
+  app->add_flag("--close-handles", p.close_handles,
+                "Fill tunnels and cavities that the smooth field does not have");
+  app->add_option("--min-component", p.min_component, "Drop pieces of fewer voxels")
+      ->capture_default_str();
+  add_space(app, p.space, "Space of the vertices");
+  app->add_option_function<std::int64_t>(
+         "--max-memory",
+         [&p, &read_memory](std::int64_t bytes) { p.max_memory = read_memory = bytes; },
+         "Bytes that the work may hold, with K, M or G; 0: no limit")
+      ->transform(CLI::AsSizeValue(false))
+      ->type_name("BYTES")
+      ->default_str("0");
+}
+
+}  // namespace
+
+CLI::App* add_convert(CLI::App& app, ConvertRequest& request) {
+  CLI::App* convert = app.add_subcommand("convert", "Turn a segmentation into a closed surface");
+  convert->add_option("IN", request.input, ".nii, .nii.gz, .mha, .mhd, .nrrd or a DICOM folder")
+      ->required();
+  convert->add_option("-o,--output", request.output, "Surface: .vtp, .stl, .ply or .obj")
+      ->required();
+  convert->add_option("--report", request.report, "Also write a report, JSON");
+  add_selection(convert, request.read);
+  add_parameters(convert, request.parameters, request.read.max_memory);
+  convert->add_option("--backend", request.context.backend, "What it runs on")
+      ->check(CLI::IsMember({"auto", "tbb", "opencl"}))
+      ->capture_default_str();
+  convert->add_option("--device", request.context.device,
+                      "A number, type or part of a name from `vasamesh devices`");
+  add_threads(convert, request.context.threads);
+  convert->add_flag("-q,--quiet", request.quiet, "Print nothing but errors");
+  convert->footer(kConvertExamples);
+  return convert;
+}
+
+CLI::App* add_check(CLI::App& app, CheckRequest& request) {
+  CLI::App* check = app.add_subcommand("check", "Check a surface of any program");
+  check->add_option("SURFACE", request.surface, ".vtp, .stl, .ply, .obj or .vtk")->required();
+  check->add_option("--against", request.volume,
+                    "The segmentation: compare the topology, and the distance to marching cubes");
+  check->add_option("--reference", request.reference, "Measure the distance to this surface");
+  add_selection(check, request.read);
+  add_connectivity(check, request.connectivity);
+  add_space(check, request.space, "Space of SURFACE, for --against");
+  add_threads(check, request.threads);
+  check->add_flag("--json", request.json, "Print JSON");
+  check->footer(kCheckExamples);
+  return check;
+}
+
+CLI::App* add_phantom(CLI::App& app, PhantomRequest& request) {
+  CLI::App* phantom = app.add_subcommand("phantom", "Make one of the project's own inputs");
+  phantom->add_option("NAME", request.name, "One of the names below")->required();
+  phantom->add_option("-o,--output", request.output, "Volume: .nii, .nii.gz, .mha or .nrrd")
+      ->required();
+  phantom->add_option("--surface", request.surface, "Also write the exact surface");
+  phantom->add_option("--seed", request.options.seed, "Of trees and speckle")
+      ->capture_default_str();
+  phantom->add_option("--size", request.options.size, "Voxels along each axis");
+  phantom->add_option("--spacing", request.options.spacing, "Voxel size along each axis, mm");
+  phantom->add_option("--radius", request.options.radius, "Of the vessel, in voxels");
+  std::string footer = "Names:\n";
+  for (const std::string& name : phantom_names())
+    footer += fmt::format("  {:<20}{}\n", name, phantom_summary(name));
+  footer +=
+      "Examples:\n"
+      "  vasamesh phantom cerebral -o cerebral.nii.gz\n"
+      "  vasamesh phantom torus -o torus.nii.gz --surface torus.ply\n"
+      "  vasamesh phantom tree --seed 7 -o tree.nrrd";
+  phantom->footer(footer);
+  return phantom;
+}
+
+CLI::App* add_devices(CLI::App& app) {
+  CLI::App* devices = app.add_subcommand("devices", "List what conversions can run on");
+  devices->footer("Examples:\n  vasamesh devices");
+  return devices;
+}
+
+}  // namespace vasamesh::cli

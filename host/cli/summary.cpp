@@ -1,0 +1,130 @@
+#include "cli/summary.h"
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cctype>
+#include <utility>
+#include <vector>
+
+#include "io/surface_io.h"
+
+namespace vasamesh::cli {
+
+namespace {
+
+std::string plural(std::int64_t count, const char* one, const char* many) {
+  return fmt::format("{} {}", count, count == 1 ? one : many);
+}
+
+std::string describe(const Topology& topology) {
+  return plural(topology.pieces, "piece", "pieces") + ", " +
+         plural(topology.handles, "handle", "handles") + ", " +
+         plural(topology.cavities, "cavity", "cavities");
+}
+
+std::string upper(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+  return text;
+}
+
+/// What a user may want to look at in the segmentation, each with its first voxel.
+void print_findings(const InputFindings& findings) {
+  const std::vector<std::pair<const char*, const Finding*>> entries = {
+      {"pieces dropped as too small", &findings.dropped},
+      {"pieces of fewer than 8 voxels", &findings.specks},
+      {"handles", &findings.handles},
+      {"cavities", &findings.cavities},
+      {"contacts over an edge", &findings.edge_contacts},
+      {"contacts over a corner", &findings.corner_contacts},
+      {"voxels on the border", &findings.border_contacts},
+      {"voxels in one-voxel parts", &findings.one_voxel_parts}};
+  const char* title = "Found";
+  for (const auto& [name, finding] : entries) {
+    if (finding->count == 0) continue;
+    fmt::print("{:<10}{} {}, the first at voxel {}\n", std::exchange(title, ""), finding->count,
+               name, fmt::join(finding->place, " "));
+  }
+}
+
+void print_times(const std::vector<StageReport>& stages) {
+  double total = 0;
+  std::string parts;
+  for (const StageReport& stage : stages) {
+    total += stage.seconds;
+    parts += fmt::format("{}{} {:.2f}", parts.empty() ? "" : ", ", stage.name, stage.seconds);
+  }
+  fmt::print("{:<10}{:.2f} s: {}\n", "Time", total, parts);
+}
+
+void print_row(const char* name, std::int64_t count) { fmt::print("  {:<28}{}\n", name, count); }
+
+void print_distribution(const char* name, const Distribution& d) {
+  fmt::print(
+      "  {:<28}mean {:.3f}, sd {:.3f}, min {:.3f}, 5 % {:.3f}, median {:.3f}, 95 % {:.3f}, "
+      "max {:.3f}\n",
+      name, d.mean, d.deviation, d.minimum, d.percentile_5, d.median, d.percentile_95, d.maximum);
+}
+
+void print_one_way(const char* name, const OneWayDistance& d, double voxel, bool voxel_known) {
+  fmt::print("  {:<28}mean {:.4f}, rms {:.4f}, largest {:.4f} mm", name, d.mean, d.rms, d.maximum);
+  if (voxel_known)
+    fmt::print("; {:.3f}, {:.3f}, {:.3f} voxels", d.mean / voxel, d.rms / voxel, d.maximum / voxel);
+  fmt::print("\n");
+}
+
+}  // namespace
+
+void print_conversion(const std::string& input, const std::string& output, const Report& report) {
+  const Geometry& geometry = report.geometry;
+  fmt::print("{:<10}{}: {} voxels of {:.4g} mm, {} in the object\n", "Input", input,
+             fmt::join(geometry.size, " x "), fmt::join(geometry.spacing, " x "),
+             report.input.object_voxels);
+  print_findings(report.input);
+  fmt::print("{:<10}{}: {} triangles, {} vertices, {}, mm\n", "Surface", output,
+             report.check.triangles, report.check.vertices,
+             upper(space_name(report.parameters.space)));
+  fmt::print("{:<10}{}, as the segmentation; closed, manifold, outward, no self-intersection\n",
+             "Proof", describe(report.check.topology));
+  fmt::print("{:<10}edge ratio {:.2f}, least angle {:.0f} degrees on average\n", "Quality",
+             report.quality.edge_ratio.mean, report.quality.least_angle.mean);
+  print_times(report.stages);
+}
+
+void print_check(const std::string& surface, const CheckReport& check,
+                 const QualityReport& quality) {
+  fmt::print("{}\n", surface);
+  print_row("vertices", check.vertices);
+  print_row("triangles", check.triangles);
+  print_row("open edges", check.open_edges);
+  print_row("non-manifold edges", check.nonmanifold_edges);
+  print_row("misoriented edges", check.misoriented_edges);
+  print_row("non-manifold vertices", check.nonmanifold_vertices);
+  print_row("isolated vertices", check.isolated_vertices);
+  print_row("degenerate triangles", check.degenerate_triangles);
+  print_row("non-finite vertices", check.nonfinite_vertices);
+  print_row("intersecting pairs", check.intersecting_pairs);
+  print_row("inverted shells", check.inverted_shells);
+  fmt::print("  {:<28}{}\n", "topology", describe(check.topology));
+  if (check.has_wanted) {
+    fmt::print("  {:<28}{}\n", "the segmentation's", describe(check.wanted));
+    print_row("pieces that do not match", check.mismatched_pieces);
+  }
+  print_distribution("edge ratio", quality.edge_ratio);
+  fmt::print("  {:<28}{:.1f} % at 0.8 and above, {:.1f} % below 0.3, {:.2f} % below 0.1\n", "",
+             100 * quality.edge_ratio_above_08, 100 * quality.edge_ratio_below_03,
+             100 * quality.edge_ratio_below_01);
+  print_distribution("least angle, degrees", quality.least_angle);
+  print_distribution("size ratio of neighbours", quality.size_ratio);
+  fmt::print("  {:<28}{:.6g} mm^2\n", "area", quality.area);
+  fmt::print("  {:<28}{:.6g} mm^3\n", "volume", quality.volume);
+}
+
+void print_distance(const DistanceReport& distance, bool voxel_known) {
+  print_one_way("distance to the reference", distance.to, distance.voxel, voxel_known);
+  print_one_way("and back", distance.back, distance.voxel, voxel_known);
+}
+
+}  // namespace vasamesh::cli
