@@ -26,7 +26,7 @@ TbbBackend::TbbBackend(int threads, void* task_arena)
     : arena_(static_cast<tbb::task_arena*>(task_arena)) {
   if (arena_) return;
   own_arena_ =
-      std::make_unique<tbb::task_arena>(threads > 0 ? threads : tbb::task_arena::automatic);
+      std::make_unique<tbb::task_arena>(threads > 0 ? threads : int{tbb::task_arena::automatic});
   arena_ = own_arena_.get();
 }
 
