@@ -1,0 +1,45 @@
+#pragma once
+
+/// \file
+/// Random vessel trees by space colonisation (Runions, Lane and Prusinkiewicz, "Modeling trees with
+/// a space colonization algorithm", 2007): nodes grow towards scattered targets, each of which
+/// draws its nearest node until it is reached. Radii follow Murray's law, r0^3 = r1^3 + r2^3.
+
+#include <cstdint>
+#include <vector>
+
+#include "phantom/solid.h"
+
+namespace vasamesh {
+
+/// A vessel with a radius at each of its points; a swept ball.
+struct Vessel {
+  std::vector<Vec3> points;
+  std::vector<double> radius;
+};
+
+/// Targets scattered evenly in an ellipsoid without its inner part.
+struct TargetRegion {
+  Vec3 centre, half_axes;
+  double hollow;  ///< inner ellipsoid left out, as a fraction of the half axes, below 1
+  int count;
+};
+
+struct TreePlan {
+  std::uint64_t seed = 1;
+  std::vector<Vessel> trunks;  ///< given vessels, from their roots on; a radius is a least one
+  std::vector<TargetRegion> regions;
+  double step = 1.5;           ///< way of growth, mm; also the distance of a spline's knots
+  double reached = 4;          ///< a target this near to a node is done, mm
+  double persistence = 0.6;    ///< weight of the old direction against the targets'
+  double tip_radius = 0.45;    ///< before the taper, mm
+  double end_radius = 0.3;     ///< of a tip after the taper, mm
+  double bending = 3;          ///< amplitude of the smooth deformation of space, mm
+  double bending_length = 40;  ///< its wavelength, mm
+};
+
+/// The vessels of a grown tree, trunks first, as smooth curves of short pieces. A vessel starts at
+/// a point of an earlier one. The same for the same plan.
+std::vector<Vessel> grow_tree(const TreePlan& plan);
+
+}  // namespace vasamesh

@@ -1,0 +1,130 @@
+/// \file
+/// Phantoms that are vessel trees: small ones by seed, and the three data sets of the paper's
+/// Table 1 by size, spacing and number of marching-cubes triangles.
+
+#include <cmath>
+#include <utility>
+
+#include "phantom/random.h"
+#include "phantom/recipe.h"
+#include "phantom/tree.h"
+
+namespace vasamesh {
+namespace {
+
+constexpr double kTreeStep = 0.33;
+
+/// The recipe's frame is centred on the lattice.
+Lattice centred_lattice(const Index3& size, const Vec3& spacing) {
+  Lattice lattice{size, Vec3::Zero(), spacing};
+  for (int a = 0; a < 3; ++a) lattice.start[a] = -0.5 * (size[a] - 1) * spacing[a];
+  return lattice;
+}
+
+Recipe tree_recipe_of(const TreePlan& plan, const Lattice& lattice) {
+  Recipe recipe;
+  recipe.lattice = lattice;
+  recipe.exact_step = kTreeStep;
+  recipe.least_radius = plan.end_radius;
+  for (const Vessel& vessel : grow_tree(plan)) {
+    append_tube(recipe.solid.parts, vessel.points, vessel.radius);
+    recipe.lines.push_back(vessel.points);
+  }
+  return recipe;
+}
+
+Vessel trunk(std::vector<Vec3> points, double first_radius, double last_radius) {
+  Vessel vessel;
+  vessel.points = std::move(points);
+  const double last = static_cast<double>(vessel.points.size()) - 1;
+  for (double i = 0; i <= last; ++i)
+    vessel.radius.push_back(first_radius + (last_radius - first_radius) * i / last);
+  return vessel;
+}
+
+/// A saccular aneurysm on the thickest grown stretch beyond `place`.
+void add_aneurysm(Recipe& recipe, const Vec3& centre, double radius) {
+  recipe.solid.parts.emplace_back(RoundCone(centre, centre, radius, radius));
+}
+
+Vec3 tree_spacing(Random& random) {
+  static const Vec3 choices[] = {{0.6, 0.6, 0.6}, {0.5, 0.5, 0.8}, {0.8, 0.7, 0.7}, {1, 1, 0.6}};
+  return choices[random.below(4)];
+}
+
+}  // namespace
+
+Recipe tree_recipe(const PhantomOptions& options) {
+  Random random(options.seed);
+  const Ruler ruler(options, 0.8, tree_spacing(random));
+  Index3 size;
+  for (int a = 0; a < 3; ++a)
+    size[a] = options.size ? static_cast<int>((*options.size)[a]) : 52 + random.below(37);
+  const Lattice lattice = centred_lattice(size, ruler.spacing);
+  const double v = ruler.voxel;
+  TreePlan plan;
+  plan.seed = random.next();
+  plan.step = 2 * v;
+  plan.reached = 4 * v;
+  plan.tip_radius = ruler.radius;
+  plan.end_radius = 0.6 * ruler.radius;
+  plan.bending = 2 * v;
+  plan.bending_length = 30 * v;
+  const Vec3 half = -lattice.start - Vec3::Constant(4 * v + ruler.radius);
+  const bool cut = random.below(2) == 1;  // whether the root is cut by the border
+  const double root = lattice.start[2] - (cut ? 3 * v : -5 * v);
+  plan.trunks = {trunk({{0, 0, root}, {0, 0, -0.6 * half[2]}}, ruler.radius, ruler.radius)};
+  plan.regions = {{Vec3::Zero(), half, 0, 12 + random.below(14)}};
+  return tree_recipe_of(plan, lattice);
+}
+
+Recipe cerebral_recipe(const PhantomOptions& options) {
+  const Lattice lattice = centred_lattice({512, 512, 170}, {0.51, 0.51, 0.80});
+  TreePlan plan;
+  plan.seed = options.seed;
+  plan.tip_radius = 0.42;
+  plan.end_radius = 0.28;
+  // Two carotid arteries and the basilar artery, cut by the lower border, and the circle of Willis.
+  const Vec3 right(-14, -8, -42), left(14, -8, -42), front(0, -26, -36), back(0, 18, -42);
+  plan.trunks = {trunk({{-24, 4, -74}, {-22, 6, -60}, {-14, -2, -54}, right}, 2.4, 2.2),
+                 trunk({{24, 4, -74}, {22, 6, -60}, {14, -2, -54}, left}, 2.4, 2.2),
+                 trunk({{1, 30, -74}, {-1, 26, -58}, back}, 2.0, 1.8),
+                 trunk({right, {-8, -20, -38}, front}, 1.3, 1.0),
+                 trunk({left, {8, -20, -38}, front}, 1.3, 1.0),
+                 trunk({right, {-12, 6, -43}, back}, 0.8, 1.0),
+                 trunk({left, {12, 6, -43}, back}, 0.8, 1.0)};
+  plan.regions = {{{0, 0, -2}, {118, 120, 60}, 0.35, 420}};
+  Recipe recipe = tree_recipe_of(plan, lattice);
+  add_aneurysm(recipe, {-17, -12, -39}, 4.2);
+  return recipe;
+}
+
+Recipe liver_recipe(const PhantomOptions& options) {
+  const Lattice lattice = centred_lattice({512, 512, 279}, {0.6563, 0.6563, 0.5});
+  TreePlan plan;
+  plan.seed = options.seed;
+  plan.tip_radius = 0.6;
+  plan.end_radius = 0.4;
+  plan.step = 2;
+  plan.trunks = {trunk({{70, -20, -80}, {66, -10, -50}, {50, 0, -20}, {25, 5, 0}}, 5, 5)};
+  plan.regions = {{{-10, 0, 0}, {145, 130, 60}, 0, 900}};
+  return tree_recipe_of(plan, lattice);
+}
+
+Recipe aorta_recipe(const PhantomOptions& options) {
+  const Lattice lattice = centred_lattice({512, 512, 167}, {0.961, 0.961, 1.80});
+  TreePlan plan;
+  plan.seed = options.seed;
+  plan.tip_radius = 0.9;
+  plan.end_radius = 0.6;
+  plan.step = 3;
+  plan.bending = 4;
+  plan.bending_length = 80;
+  plan.trunks = {trunk({{0, 20, 160}, {0, 24, 60}, {4, 20, -40}, {0, 10, -70}}, 11, 8),
+                 trunk({{0, 10, -70}, {-25, 10, -110}, {-45, -20, -160}}, 6, 5),
+                 trunk({{0, 10, -70}, {25, 10, -110}, {45, -20, -160}}, 6, 5)};
+  plan.regions = {{{0, -40, 30}, {160, 130, 100}, 0.2, 300}};
+  return tree_recipe_of(plan, lattice);
+}
+
+}  // namespace vasamesh
