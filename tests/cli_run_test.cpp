@@ -1,0 +1,168 @@
+/// \file
+/// The program at work: phantoms made, converted and checked; what goes to which stream; what
+/// Ctrl-C leaves behind.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "support/scratch.h"
+#include "support/spawn.h"
+
+namespace vasamesh {
+namespace {
+
+using nlohmann::json;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+using Arguments = std::vector<std::string>;
+
+Arguments command(Arguments arguments) {
+  arguments.insert(arguments.begin(), VASAMESH_PROGRAM);
+  return arguments;
+}
+
+/// Runs the program and expects success without a word on stderr. \return its stdout.
+std::string run(const Arguments& arguments) {
+  const Outcome outcome = run_program(command(arguments));
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_EQ(outcome.err, "");
+  return outcome.out;
+}
+
+TEST(Phantom, SaysWhatItWrote) {
+  const Scratch folder;
+  const std::string out =
+      run({"phantom", "torus", "-o", folder / "torus.nii.gz", "--surface", folder / "torus.ply"});
+  EXPECT_THAT(out, HasSubstr("torus.nii.gz: "));
+  EXPECT_THAT(out, HasSubstr("torus.ply: "));
+  EXPECT_THAT(folder.names(), ElementsAre("torus.nii.gz", "torus.ply"));
+}
+
+TEST(Check, ATorusHasOneHandle) {
+  const Scratch folder;
+  run({"phantom", "torus", "-o", folder / "torus.nii.gz", "--surface", folder / "torus.ply"});
+  EXPECT_THAT(run({"check", folder / "torus.ply"}), HasSubstr("1 piece, 1 handle, 0 cavities"));
+  const json report = json::parse(
+      run({"check", folder / "torus.ply", "--against", folder / "torus.nii.gz", "--json"}));
+  EXPECT_EQ(report["schema_version"], 1);
+  EXPECT_EQ(report["check"]["passed"], true);
+  EXPECT_EQ(report["check"]["wanted"]["handles"], 1);
+  EXPECT_LT(report["distance"]["to"]["mean_voxels"], 0.27);
+  EXPECT_GT(report["distance"]["to"]["mean_voxels"], 0.0);
+}
+
+TEST(Check, ASurfaceOfAnotherSolidFails) {
+  const Scratch folder;
+  run({"phantom", "torus", "-o", folder / "torus.nii.gz", "--surface", folder / "torus.ply"});
+  run({"phantom", "sphere", "-o", folder / "sphere.nii.gz"});
+  const Outcome outcome =
+      run_program(command({"check", folder / "torus.ply", "--against", folder / "sphere.nii.gz"}));
+  EXPECT_EQ(outcome.code, 4);
+  EXPECT_THAT(outcome.out, HasSubstr("failed"));
+  EXPECT_THAT(outcome.err, HasSubstr("torus.ply"));
+}
+
+TEST(Check, ASurfaceHasNoDistanceToItself) {
+  const Scratch folder;
+  run({"phantom", "sphere", "-o", folder / "sphere.nii.gz", "--surface", folder / "sphere.ply"});
+  const json report = json::parse(
+      run({"check", folder / "sphere.ply", "--reference", folder / "sphere.ply", "--json"}));
+  EXPECT_LT(report["distance"]["to"]["maximum_mm"], 1e-5);
+  EXPECT_LT(report["distance"]["back"]["maximum_mm"], 1e-5);
+  EXPECT_FALSE(report["distance"].contains("voxel_mm"));
+}
+
+class Convert : public testing::Test {
+ protected:
+  Convert() { run({"phantom", "torus", "-o", volume_}); }
+
+  Scratch folder_;
+  const std::string volume_ = folder_ / "torus.nii.gz";
+};
+
+TEST_F(Convert, EachFormatPassesItsCheck) {
+  for (const char* name : {"torus.vtp", "torus.stl", "torus.ply", "torus.obj"}) {
+    EXPECT_THAT(run({"convert", volume_, "-o", folder_ / name}), HasSubstr(name));
+    run({"check", folder_ / name, "--against", volume_});
+  }
+}
+
+TEST_F(Convert, EachSpacePassesItsCheck) {
+  for (const char* space : {"lps", "ras", "voxel"}) {
+    run({"convert", volume_, "-o", folder_ / "torus.ply", "--space", space});
+    const json report = json::parse(
+        run({"check", folder_ / "torus.ply", "--against", volume_, "--space", space, "--json"}));
+    EXPECT_LT(report["distance"]["to"]["mean_voxels"], 0.27) << space;
+  }
+}
+
+TEST_F(Convert, ReportNamesStagesAndTopology) {
+  run({"convert", volume_, "-o", folder_ / "torus.vtp", "--report", folder_ / "torus.json"});
+  const json report = json::parse(read_text(folder_ / "torus.json"));
+  EXPECT_EQ(report["schema_version"], 1);
+  EXPECT_EQ(report["check"]["topology"]["handles"], 1);
+  EXPECT_EQ(report["check"]["passed"], true);
+  const json& stages = report["stages"];
+  ASSERT_GT(stages.size(), 2u);
+  EXPECT_EQ(stages.front()["name"], "read");
+  EXPECT_EQ(stages.back()["name"], "write");
+  for (const json& stage : stages) EXPECT_GE(stage["seconds"], 0.0);
+}
+
+TEST_F(Convert, TheSameBytesWithAnyNumberOfThreads) {
+  std::vector<std::string> surfaces;
+  for (const char* threads : {"1", "2", "4"}) {
+    run({"convert", volume_, "-o", folder_ / "torus.ply", "--threads", threads});
+    surfaces.push_back(read_text(folder_ / "torus.ply"));
+  }
+  EXPECT_FALSE(surfaces[0].empty());
+  EXPECT_TRUE(surfaces[0] == surfaces[1] && surfaces[0] == surfaces[2]);
+}
+
+TEST_F(Convert, QuietSaysNothingAtAll) {
+  const Outcome outcome =
+      run_on_terminal(command({"convert", volume_, "-o", folder_ / "torus.vtp", "--quiet"}));
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_EQ(outcome.out, "");
+  EXPECT_EQ(outcome.err, "");
+}
+
+TEST_F(Convert, TheBarIsForTerminalsAlone) {
+  const Outcome outcome =
+      run_on_terminal(command({"convert", volume_, "-o", folder_ / "torus.vtp"}));
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_THAT(outcome.err, HasSubstr("%  read"));
+  EXPECT_THAT(outcome.out, HasSubstr("torus.vtp"));
+  EXPECT_THAT(outcome.out, Not(HasSubstr("%  ")));
+}
+
+/// Signals that ask for the end.
+class Interrupted : public testing::TestWithParam<int> {};
+
+TEST_P(Interrupted, ConversionLeavesTheOldFile) {
+  const Scratch folder;
+  run({"phantom", "aorta", "-o", folder / "aorta.nii.gz"});
+  write_text(folder / "aorta.vtp", "an old surface");
+  const Outcome outcome =
+      interrupt_program(command({"convert", folder / "aorta.nii.gz", "-o", folder / "aorta.vtp",
+                                 "--report", folder / "aorta.json"}),
+                        "%  read", GetParam());
+  EXPECT_EQ(outcome.code, 130);
+  EXPECT_EQ(outcome.out, "");
+  EXPECT_THAT(folder.names(), ElementsAre("aorta.nii.gz", "aorta.vtp"));
+  EXPECT_EQ(read_text(folder / "aorta.vtp"), "an old surface");
+}
+
+INSTANTIATE_TEST_SUITE_P(Signals, Interrupted, testing::Values(SIGINT, SIGTERM),
+                         [](const testing::TestParamInfo<int>& info) {
+                           return info.param == SIGINT ? "Interrupt" : "Terminate";
+                         });
+
+}  // namespace
+}  // namespace vasamesh

@@ -1,0 +1,231 @@
+/// \file
+/// The command line: help, wrong use and bad input, each with its exit code and its one line on
+/// stderr. Whatever goes wrong, an old output file stays as it was.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "support/scratch.h"
+#include "support/spawn.h"
+
+namespace vasamesh {
+namespace {
+
+using testing::EndsWith;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+using Arguments = std::vector<std::string>;
+
+Outcome vasamesh_with(Arguments arguments, const std::string& stdout_to = {}) {
+  arguments.insert(arguments.begin(), VASAMESH_PROGRAM);
+  return run_program(arguments, stdout_to);
+}
+
+/// A NRRD file in text: 4 x 4 x 4 voxels unless `sizes` says otherwise.
+std::string nrrd(const std::string& type, const std::string& values,
+                 const std::string& sizes = "4 4 4", const std::string& spacings = "1 1 1") {
+  return "NRRD0004\ntype: " + type + "\ndimension: 3\nsizes: " + sizes + "\nspacings: " + spacings +
+         "\nencoding: ascii\n\n" + values + "\n";
+}
+
+/// 64 values, all `rest` but the first few.
+std::string values(const std::vector<std::string>& first, const std::string& rest) {
+  std::string text;
+  for (std::size_t i = 0; i < 64; ++i) text += (i < first.size() ? first[i] : rest) + " ";
+  return text;
+}
+
+/// The inputs of the tests below, good and bad.
+void make_inputs(const Scratch& folder) {
+  std::vector<std::string> ramp;
+  for (int i = 0; i < 64; ++i) ramp.push_back(std::to_string(i) + ".5");
+  write_text(folder / "good.nrrd", nrrd("uchar", values({"1", "1"}, "0")));
+  write_text(folder / "empty.nrrd", nrrd("uchar", values({}, "0")));
+  write_text(folder / "labels.nrrd", nrrd("short", values({"3", "7"}, "0")));
+  write_text(folder / "grey.nrrd", nrrd("float", values(ramp, "0")));
+  write_text(folder / "nan.nrrd", nrrd("float", values({"1", "nan"}, "0")));
+  write_text(folder / "huge.nrrd", nrrd("uchar", "0", "100000 100000 100000"));
+  write_text(folder / "short.nrrd", nrrd("uchar", "1 0 1"));
+  write_text(folder / "flat.nrrd", nrrd("uchar", values({"1"}, "0"), "4 4 4", "1 0 1"));
+  write_text(folder / "noise.nii.gz", "this is not a compressed volume");
+  write_text(folder / "text.txt", "hello");
+  std::filesystem::create_directory(folder / "folder");
+  write_text(folder / "tetra.obj",
+             "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+  write_text(folder / "open.obj",
+             "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\n");
+  write_text(folder / "range.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n");
+  write_text(folder / "old.vtp", "an old surface");
+}
+
+TEST(Help, ProgramListsItsSubcommands) {
+  const Outcome help = vasamesh_with({"--help"});
+  EXPECT_EQ(help.code, 0);
+  EXPECT_EQ(help.err, "");
+  for (const char* part : {"convert", "check", "phantom", "devices", "Examples:"})
+    EXPECT_THAT(help.out, HasSubstr(part));
+}
+
+TEST(Help, EachSubcommandHasExamplesAndItsOptions) {
+  const std::vector<std::pair<std::string, std::vector<const char*>>> options = {
+      {"convert",
+       {"--output", "--report", "--backend", "--device", "--threads", "--neighbours", "--normals",
+        "--depth", "--kernel-width", "--connectivity", "--close-handles", "--label", "--threshold",
+        "--min-component", "--space", "--max-memory", "--quiet"}},
+      {"check", {"--against", "--reference", "--json"}},
+      {"phantom", {"--surface", "--seed", "sphere", "cerebral"}},
+      {"devices", {}}};
+  for (const auto& [name, parts] : options) {
+    const Outcome help = vasamesh_with({name, "--help"});
+    EXPECT_EQ(help.code, 0) << name;
+    EXPECT_THAT(help.out, HasSubstr("Examples:"));
+    EXPECT_THAT(help.out, HasSubstr("vasamesh " + name));
+    for (const char* part : parts) EXPECT_THAT(help.out, HasSubstr(part));
+  }
+}
+
+TEST(Help, Version) {
+  const Outcome version = vasamesh_with({"--version"});
+  EXPECT_EQ(version.code, 0);
+  EXPECT_EQ(version.out, "vasamesh " VASAMESH_VERSION "\n");
+}
+
+TEST(Devices, TheCpuIsNumberZero) {
+  const Outcome devices = vasamesh_with({"devices"});
+  EXPECT_EQ(devices.code, 0);
+  EXPECT_EQ(devices.err, "");
+  EXPECT_THAT(devices.out, HasSubstr("\n 0  tbb"));
+}
+
+struct Fault {
+  std::string name;
+  Arguments arguments;  ///< @ stands for the folder of the inputs
+  int code;
+  std::vector<std::string> parts;  ///< of the message
+};
+
+void PrintTo(const Fault& fault, std::ostream* stream) { *stream << fault.name; }
+
+class Faults : public testing::TestWithParam<Fault> {
+ protected:
+  Faults() { make_inputs(folder_); }
+
+  Outcome run() const {
+    Arguments arguments = GetParam().arguments;
+    for (std::string& argument : arguments)
+      if (argument.starts_with('@')) argument = folder_ / argument.substr(1);
+    return vasamesh_with(arguments);
+  }
+
+  Scratch folder_;
+};
+
+TEST_P(Faults, OneLineAndItsCode) {
+  const std::vector<std::string> before = folder_.names();
+  const Outcome outcome = run();
+  EXPECT_EQ(outcome.code, GetParam().code) << outcome.err;
+  EXPECT_THAT(outcome.err, StartsWith("vasamesh: "));
+  EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+  EXPECT_THAT(outcome.err, EndsWith("\n"));
+  for (const std::string& part : GetParam().parts) EXPECT_THAT(outcome.err, HasSubstr(part));
+  if (GetParam().code != 4) EXPECT_EQ(outcome.out, "");
+  EXPECT_EQ(folder_.names(), before);
+  EXPECT_EQ(read_text(folder_ / "old.vtp"), "an old surface");
+}
+
+/// `convert` of a good input with further arguments.
+Arguments convert(const std::string& input, Arguments further = {}) {
+  Arguments arguments = {"convert", input, "-o", "@old.vtp"};
+  arguments.insert(arguments.end(), further.begin(), further.end());
+  return arguments;
+}
+
+const Fault kWrongUse[] = {
+    {"nothing", {}, 2, {"subcommand", "vasamesh --help"}},
+    {"unknown_subcommand", {"polish"}, 2, {"polish"}},
+    {"unknown_option", convert("@good.nrrd", {"--gloss"}), 2, {"--gloss", "convert --help"}},
+    {"no_input", {"convert", "-o", "@old.vtp"}, 2, {"IN is required"}},
+    {"no_output", {"convert", "@good.nrrd"}, 2, {"--output is required"}},
+    {"unknown_ending", {"convert", "@good.nrrd", "-o", "@new.xyz"}, 2, {"new.xyz", ".vtp"}},
+    {"neighbours", convert("@good.nrrd", {"--neighbours", "2"}), 2, {"neighbours", "3 to 64"}},
+    {"depth", convert("@good.nrrd", {"--depth", "99"}), 2, {"depth"}},
+    {"kernel_width", convert("@good.nrrd", {"--kernel-width", "9"}), 2, {"kernel width", "0.5"}},
+    {"connectivity", convert("@good.nrrd", {"--connectivity", "7"}), 2, {"--connectivity", "18"}},
+    {"normals", convert("@good.nrrd", {"--normals", "up"}), 2, {"--normals", "gradient"}},
+    {"space", convert("@good.nrrd", {"--space", "outer"}), 2, {"--space", "ras"}},
+    {"label", convert("@good.nrrd", {"--label", "liver"}), 2, {"--label", "any"}},
+    {"two_selections", convert("@good.nrrd", {"--label", "1", "--threshold", "1"}), 2, {"--label"}},
+    {"min_component", convert("@good.nrrd", {"--min-component", "-5"}), 2, {"min component"}},
+    {"max_memory", convert("@good.nrrd", {"--max-memory", "lots"}), 2, {"--max-memory"}},
+    {"threads", convert("@good.nrrd", {"--threads", "-1"}), 2, {"--threads"}},
+    {"backend", convert("@good.nrrd", {"--backend", "abacus"}), 2, {"--backend", "opencl"}},
+    {"report_is_output", convert("@good.nrrd", {"--report", "@old.vtp"}), 2, {"--report"}},
+    {"phantom_name", {"phantom", "unicorn", "-o", "@x.nii"}, 2, {"unicorn", "torus"}},
+    {"phantom_ending", {"phantom", "sphere", "-o", "@x.txt"}, 2, {"x.txt", ".nii.gz"}},
+    {"phantom_no_exact",
+     {"phantom", "single_voxel", "-o", "@x.nii", "--surface", "@x.ply"},
+     2,
+     {"--surface", "single_voxel"}},
+};
+
+const Fault kNoDevice[] = {
+    {"device", convert("@good.nrrd", {"--device", "nosuch"}), 5, {"nosuch"}},
+    {"opencl_device",
+     convert("@good.nrrd", {"--backend", "opencl", "--device", "nosuch"}),
+     5,
+     {"nosuch"}},
+};
+
+const Fault kRefused[] = {
+    {"no_folder", {"convert", "@good.nrrd", "-o", "@nowhere/x.vtp"}, 6, {"nowhere"}},
+    {"no_report_folder", convert("@good.nrrd", {"--report", "@nowhere/x.json"}), 6, {"nowhere"}},
+    {"phantom_no_folder", {"phantom", "sphere", "-o", "@nowhere/x.nii"}, 6, {"nowhere"}},
+    {"memory", convert("@good.nrrd", {"--max-memory", "1K"}), 6, {"memory"}},
+};
+
+const Fault kBadInput[] = {
+    {"missing", convert("@missing.nii.gz"), 3, {"missing.nii.gz"}},
+    {"folder", convert("@folder"), 3, {"folder", "DICOM"}},
+    {"unknown_format", convert("@text.txt"), 3, {"text.txt"}},
+    {"noise", convert("@noise.nii.gz"), 3, {"noise.nii.gz"}},
+    {"empty", convert("@empty.nrrd"), 3, {"empty.nrrd", "--label"}},
+    {"several_labels", convert("@labels.nrrd"), 3, {"labels.nrrd", "3", "7", "--label"}},
+    {"absent_label", convert("@labels.nrrd", {"--label", "5"}), 3, {"labels.nrrd", "5", "3", "7"}},
+    {"grey", convert("@grey.nrrd"), 3, {"grey.nrrd", "--threshold"}},
+    {"threshold", convert("@grey.nrrd", {"--threshold", "100"}), 3, {"grey.nrrd", "threshold"}},
+    {"nan", convert("@nan.nrrd"), 3, {"nan.nrrd", "NaN"}},
+    {"huge", convert("@huge.nrrd"), 3, {"huge.nrrd"}},
+    {"too_short", convert("@short.nrrd"), 3, {"short.nrrd"}},
+    {"zero_spacing", convert("@flat.nrrd"), 3, {"flat.nrrd", "spacing"}},
+    {"check_missing", {"check", "@missing.stl"}, 3, {"missing.stl"}},
+    {"check_indices", {"check", "@range.obj"}, 3, {"range.obj"}},
+    {"check_volume", {"check", "@tetra.obj", "--against", "@empty.nrrd"}, 3, {"empty.nrrd"}},
+    {"check_reference", {"check", "@tetra.obj", "--reference", "@no.ply"}, 3, {"no.ply"}},
+};
+
+const Fault kFailedCheck[] = {
+    {"hole", {"check", "@open.obj"}, 4, {"open.obj", "open"}},
+    {"hole_json", {"check", "@open.obj", "--json"}, 4, {"open.obj", "open"}},
+};
+
+std::string fault_name(const testing::TestParamInfo<Fault>& info) { return info.param.name; }
+
+INSTANTIATE_TEST_SUITE_P(WrongUse, Faults, testing::ValuesIn(kWrongUse), fault_name);
+INSTANTIATE_TEST_SUITE_P(NoDevice, Faults, testing::ValuesIn(kNoDevice), fault_name);
+INSTANTIATE_TEST_SUITE_P(Refused, Faults, testing::ValuesIn(kRefused), fault_name);
+INSTANTIATE_TEST_SUITE_P(BadInput, Faults, testing::ValuesIn(kBadInput), fault_name);
+INSTANTIATE_TEST_SUITE_P(FailedCheck, Faults, testing::ValuesIn(kFailedCheck), fault_name);
+
+TEST(Output, AFullDiskUnderStandardOutputIsRefused) {
+  const Outcome outcome = vasamesh_with({"devices"}, "/dev/full");
+  EXPECT_EQ(outcome.code, 6);
+  EXPECT_THAT(outcome.err, HasSubstr("standard output"));
+}
+
+}  // namespace
+}  // namespace vasamesh
