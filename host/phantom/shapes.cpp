@@ -134,7 +134,7 @@ Recipe aneurysm_recipe(const PhantomOptions& options) {
 }
 
 Recipe two_tubes_recipe(const PhantomOptions& options) {
-  const Ruler ruler(options, 4.2, kSpacing);
+  const Ruler ruler(options, 4.4, kSpacing);
   const double r = ruler.radius;
   // Both axes on voxel centres, one layer of background between the rows inside.
   const double rows = std::ceil(r / ruler.spacing[1]) - 1;

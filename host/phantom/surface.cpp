@@ -34,6 +34,13 @@ struct Patch {
   std::vector<std::uint32_t> triangles;
 };
 
+/// Whether a block holds only the lattice's last nodes along an axis: no cells.
+bool is_rim(const Block& block, const Lattice& lattice) {
+  for (int a = 0; a < 3; ++a)
+    if (block.low[a] == lattice.size[a] - 1) return true;
+  return false;
+}
+
 vtkSmartPointer<vtkImageData> sample_block(const Block& block, const Lattice& lattice) {
   Index3 high;
   for (int a = 0; a < 3; ++a) high[a] = std::min(block.high[a], lattice.size[a] - 1);
@@ -208,7 +215,7 @@ TriangleMesh exact_surface(const Solid& solid, const Eigen::AlignedBox3d& border
   const bool cut = !border.contains(bounds);
   const Lattice lattice = sampling_lattice(cut ? bounds.intersection(border) : bounds, step);
   std::vector<Block> blocks = find_blocks(solid, lattice, kBlockCells, 4 * step);
-  std::erase_if(blocks, [](const Block& block) { return block.inside; });
+  std::erase_if(blocks, [&](const Block& block) { return block.inside || is_rim(block, lattice); });
   std::vector<Patch> patches(blocks.size());
   tbb::parallel_for(std::size_t{0}, blocks.size(),
                     [&](std::size_t b) { patches[b] = contour_block(blocks[b], lattice); });

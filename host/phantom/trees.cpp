@@ -82,18 +82,18 @@ Recipe cerebral_recipe(const PhantomOptions& options) {
   const Lattice lattice = centred_lattice({512, 512, 170}, {0.51, 0.51, 0.80});
   TreePlan plan;
   plan.seed = options.seed;
-  plan.tip_radius = 0.42;
-  plan.end_radius = 0.28;
+  plan.tip_radius = 0.5;
+  plan.end_radius = 0.3;
   // Two carotid arteries and the basilar artery, cut by the lower border, and the circle of Willis.
   const Vec3 right(-14, -8, -42), left(14, -8, -42), front(0, -26, -36), back(0, 18, -42);
-  plan.trunks = {trunk({{-24, 4, -74}, {-22, 6, -60}, {-14, -2, -54}, right}, 2.4, 2.2),
-                 trunk({{24, 4, -74}, {22, 6, -60}, {14, -2, -54}, left}, 2.4, 2.2),
-                 trunk({{1, 30, -74}, {-1, 26, -58}, back}, 2.0, 1.8),
-                 trunk({right, {-8, -20, -38}, front}, 1.3, 1.0),
-                 trunk({left, {8, -20, -38}, front}, 1.3, 1.0),
-                 trunk({right, {-12, 6, -43}, back}, 0.8, 1.0),
-                 trunk({left, {12, 6, -43}, back}, 0.8, 1.0)};
-  plan.regions = {{{0, 0, -2}, {118, 120, 60}, 0.35, 420}};
+  plan.trunks = {trunk({{-24, 4, -74}, {-22, 6, -60}, {-14, -2, -54}, right}, 3.6, 2.8),
+                 trunk({{24, 4, -74}, {22, 6, -60}, {14, -2, -54}, left}, 3.6, 2.8),
+                 trunk({{1, 30, -74}, {-1, 26, -58}, back}, 2.8, 2.4),
+                 trunk({right, {-8, -20, -38}, front}, 1.6, 1.2),
+                 trunk({left, {8, -20, -38}, front}, 1.6, 1.2),
+                 trunk({right, {-12, 6, -43}, back}, 1.0, 1.4),
+                 trunk({left, {12, 6, -43}, back}, 1.0, 1.4)};
+  plan.regions = {{{0, 0, -2}, {118, 120, 60}, 0.35, 110}};
   Recipe recipe = tree_recipe_of(plan, lattice);
   add_aneurysm(recipe, {-17, -12, -39}, 4.2);
   return recipe;
