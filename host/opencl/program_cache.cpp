@@ -92,7 +92,8 @@ void ProgramCache::store(const std::string& key, const std::string& binary) cons
   fs::create_directories(folder_, ignored);
   const fs::path file = path(key);
   fs::path temporary = file;
-  temporary += "." + std::to_string(getpid()) + "." + std::to_string(counter++);
+  for (const long part : {static_cast<long>(getpid()), static_cast<long>(counter++)})
+    temporary.concat(".").concat(std::to_string(part));
   if (write_file(temporary, prefix_of(key) + seal_of(binary) + binary))
     fs::rename(temporary, file, ignored);
   fs::remove(temporary, ignored);

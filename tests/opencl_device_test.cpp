@@ -1,0 +1,177 @@
+/// Devices: their list, their choice, and the Contexts made of them.
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <string>
+
+#include "backend/backend.h"
+#include "opencl/backend.h"
+#include "vasamesh/errors.h"
+#include "vasamesh/host.h"
+
+namespace vasamesh {
+namespace {
+
+/// Sets an environment variable for one test.
+class Variable {
+ public:
+  Variable(const char* name, const std::string& value) : name_(name) {
+    setenv(name, value.c_str(), 1);
+  }
+  ~Variable() { unsetenv(name_); }
+
+ private:
+  const char* name_;
+};
+
+ContextOptions asked(const std::string& backend, const std::string& device = "") {
+  ContextOptions options;
+  options.backend = backend;
+  options.device = device;
+  options.threads = 2;
+  return options;
+}
+
+std::string refusal(const ContextOptions& options, ErrorCode code) {
+  try {
+    make_context(options);
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), code) << error.what();
+    return error.what();
+  }
+  ADD_FAILURE() << "accepted";
+  return "";
+}
+
+std::string first_backend(const ContextOptions& options) {
+  return make_context(options).backends.front()->name();
+}
+
+class Devices : public ::testing::Test {
+ protected:
+  void SetUp() override { unsetenv("VASAMESH_DEVICE"); }
+};
+
+class OpenClDevices : public Devices {
+ protected:
+  void SetUp() override {
+    Devices::SetUp();
+    if (list_opencl_devices().empty()) GTEST_SKIP() << "no OpenCL device here";
+  }
+};
+
+TEST_F(Devices, TheProcessorIsNumberZero) {
+  const auto devices = list_devices();
+  ASSERT_EQ(devices.size(), 1 + list_opencl_devices().size());
+  EXPECT_EQ(devices[0].type, "cpu");
+  EXPECT_GT(devices[0].memory, 0);
+  for (std::size_t i = 0; i < devices.size(); ++i) {
+    EXPECT_EQ(devices[i].number, static_cast<int>(i));
+    EXPECT_FALSE(devices[i].name.empty());
+    EXPECT_FALSE(devices[i].driver.empty());
+    EXPECT_GE(devices[i].compute_units, 1);
+    EXPECT_EQ(devices[i].backend, i == 0 ? "tbb" : "opencl");
+  }
+}
+
+TEST_F(Devices, AutoIsTbb) {
+  const Context context = make_context(asked("auto"));
+  ASSERT_EQ(context.backends.size(), 1u);
+  EXPECT_EQ(context.backends[0]->name(), "tbb");
+  EXPECT_NE(context.backends[0]->device().find("2 threads"), std::string::npos);
+}
+
+TEST_F(Devices, WrongUse) {
+  EXPECT_NE(refusal(asked("cuda"), ErrorCode::usage).find("auto, tbb or opencl"),
+            std::string::npos);
+  ContextOptions options = asked("tbb");
+  options.threads = -1;
+  EXPECT_NE(refusal(options, ErrorCode::usage).find("--threads"), std::string::npos);
+}
+
+TEST_F(Devices, NameThatFitsNoneNamesTheChoices) {
+  const std::string message = refusal(asked("auto", "no such thing"), ErrorCode::no_device);
+  EXPECT_NE(message.find("\"no such thing\" fits no device"), std::string::npos) << message;
+  for (const DeviceInfo& device : list_devices())
+    EXPECT_NE(message.find(device.name), std::string::npos) << message;
+  refusal(asked("tbb", "gpu"), ErrorCode::no_device);
+  refusal(asked("tbb", "1"), ErrorCode::no_device);
+  refusal(asked("opencl", "0"), ErrorCode::no_device);
+}
+
+TEST_F(Devices, NumberTypeAndNameChoose) {
+  EXPECT_EQ(first_backend(asked("auto", "0")), "tbb");
+  EXPECT_EQ(first_backend(asked("auto", "CPU")), "tbb");
+  EXPECT_EQ(first_backend(asked("tbb", list_devices()[0].name)), "tbb");
+}
+
+TEST_F(Devices, VariableIsTheDefault) {
+  {
+    const Variable variable("VASAMESH_DEVICE", "nothing like it");
+    EXPECT_NE(refusal(asked("tbb"), ErrorCode::no_device).find("VASAMESH_DEVICE"),
+              std::string::npos);
+    EXPECT_EQ(first_backend(asked("tbb", "0")), "tbb");
+  }
+  const Variable variable("VASAMESH_DEVICE", "0");
+  EXPECT_EQ(first_backend(asked("auto")), "tbb");
+}
+
+TEST_F(OpenClDevices, AskedForByNameIsWhatRuns) {
+  const Context context = make_context(asked("opencl"));
+  ASSERT_EQ(context.backends.size(), 2u);
+  EXPECT_EQ(context.backends[0]->name(), "opencl");
+  EXPECT_EQ(context.backends[0]->device(), list_opencl_devices()[0].name);
+  EXPECT_TRUE(context.backends[0]->offers(Stage::poisson));
+  EXPECT_EQ(context.backends[1]->name(), "tbb");
+}
+
+TEST_F(OpenClDevices, NumberAndVariableChoose) {
+  EXPECT_EQ(first_backend(asked("auto", "1")), "opencl");
+  const Variable variable("VASAMESH_DEVICE", "1");
+  EXPECT_EQ(first_backend(asked("auto")), "opencl");
+}
+
+TEST_F(OpenClDevices, NameThatFitsSeveralNamesThem) {
+  const auto devices = list_devices();
+  const std::string message = refusal(asked("auto", " "), ErrorCode::no_device);
+  EXPECT_NE(message.find("fits several devices"), std::string::npos) << message;
+}
+
+TEST_F(OpenClDevices, IndexOutOfRange) {
+  OpenClOptions options;
+  options.device = 1000;
+  try {
+    make_opencl_backend(options);
+    FAIL() << "there are not so many";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::no_device);
+  }
+}
+
+TEST_F(OpenClDevices, PassWithoutKernelIsOurFault) {
+  const auto backend = make_opencl_backend({});
+  EXPECT_FALSE(backend->offers(Stage::points));
+  try {
+    backend->points_mark_bricks({}, {});
+    FAIL() << "there is no such kernel";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::internal);
+    EXPECT_NE(std::string(error.what()).find("points_mark_bricks"), std::string::npos);
+  }
+}
+
+TEST_F(OpenClDevices, BufferLargerThanTheDeviceGivesIsRefused) {
+  const auto backend = make_opencl_backend({});
+  try {
+    backend->allocate(std::size_t{1} << 50);
+    FAIL() << "a petabyte";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::refused);
+    EXPECT_NE(std::string(error.what()).find(backend->device()), std::string::npos);
+  }
+  EXPECT_EQ(backend->bytes_held(), 0u);
+}
+
+}  // namespace
+}  // namespace vasamesh

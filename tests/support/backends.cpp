@@ -1,0 +1,48 @@
+#include "support/backends.h"
+
+#include "tbb/backend.h"
+#ifdef VASAMESH_WITH_OPENCL
+#include "opencl/backend.h"
+#endif
+
+namespace vasamesh {
+
+namespace {
+
+#ifdef VASAMESH_WITH_OPENCL
+std::shared_ptr<Backend> open_opencl(KernelShape shape) {
+  if (list_opencl_devices().empty()) return nullptr;
+  OpenClOptions options;
+  options.shape = shape;
+  return make_opencl_backend(options);
+}
+#endif
+
+}  // namespace
+
+std::vector<std::string> backend_names() {
+#ifdef VASAMESH_WITH_OPENCL
+  return {"tbb", "opencl_one_item", "opencl_work_group"};
+#else
+  return {"tbb"};
+#endif
+}
+
+std::shared_ptr<Backend> open_backend(const std::string& name) {
+#ifdef VASAMESH_WITH_OPENCL
+  if (name == "opencl_one_item") return open_opencl(KernelShape::one_item);
+  if (name == "opencl_work_group") return open_opencl(KernelShape::work_group);
+#endif
+  return make_tbb_backend(2, nullptr);
+}
+
+std::string test_name(const ::testing::TestParamInfo<std::string>& info) { return info.param; }
+
+void BackendTest::SetUp() {
+  backend_ = open_backend(GetParam());
+  if (!backend_) GTEST_SKIP() << "no OpenCL device here";
+  ASSERT_TRUE(GetParam().starts_with(backend_->name())) << backend_->name();
+  ASSERT_FALSE(backend_->device().empty());
+}
+
+}  // namespace vasamesh

@@ -1,0 +1,58 @@
+#pragma once
+
+/// \file
+/// One test body for every backend: a test suite derives from BackendTest, is instantiated over
+/// backend_names(), and runs on each in turn.
+///
+///     class Sums : public BackendTest {};
+///     TEST_P(Sums, OfNothing) { EXPECT_EQ(backend().reduce_sum({}), 0); }
+///     INSTANTIATE_TEST_SUITE_P(Backends, Sums, ::testing::ValuesIn(backend_names()), test_name);
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "backend/backend.h"
+
+namespace vasamesh {
+
+/// "tbb"; "opencl_one_item" and "opencl_work_group", the two shapes of the OpenCL kernels, whatever
+/// the device would get by itself. The last two are absent in a build without OpenCL.
+std::vector<std::string> backend_names();
+
+/// The backend of that name; null where it needs an OpenCL device and there is none.
+std::shared_ptr<Backend> open_backend(const std::string& name);
+
+/// A name for INSTANTIATE_TEST_SUITE_P.
+std::string test_name(const ::testing::TestParamInfo<std::string>& info);
+
+/// A buffer of the backend with the given values.
+template <class T>
+Buffer<T> to_backend(Backend& backend, const std::vector<T>& values) {
+  Buffer<T> buffer(backend, values.size());
+  backend.upload<T>(buffer.view(), values);
+  return buffer;
+}
+
+/// The values of a view of the backend.
+template <class T>
+std::vector<std::remove_const_t<T>> to_host(Backend& backend, View<T> view) {
+  std::vector<std::remove_const_t<T>> values(view.size);
+  backend.download<std::remove_const_t<T>>(view, values);
+  return values;
+}
+
+/// Skips where the backend needs an OpenCL device and there is none; checks that the backend that
+/// opened is the one that was asked for.
+class BackendTest : public ::testing::TestWithParam<std::string> {
+ protected:
+  void SetUp() override;
+  Backend& backend() { return *backend_; }
+
+ private:
+  std::shared_ptr<Backend> backend_;
+};
+
+}  // namespace vasamesh
