@@ -6,8 +6,8 @@
 
 namespace vasamesh {
 
-/// Sign of the volume of (a, b, c, d): positive when (a, b, c) is counter-clockwise seen from the
-/// side away from d, that is, of dot(cross(b - a, c - a), d - a). Each points to three floats.
+/// Sign of dot(cross(b - a, c - a), d - a): positive when (a, b, c) is counter-clockwise seen from
+/// d. Each points to three floats.
 int orient3d(const float* a, const float* b, const float* c, const float* d);
 
 /// Sign of the area of (a, b, c) projected along `axis` (0, 1 or 2): positive when

@@ -49,7 +49,10 @@ inline unsigned meeting(const BoxNode& node, const Box& box) {
   return mask;
 }
 
-/// The box of box i of a node.
+/// The box round all eight.
+Box box_of(const BoxNode& node);
+
+/// Box i of a node.
 inline Box box_of(const BoxNode& node, int i) {
   return {{node.low[0][i], node.low[1][i], node.low[2][i]},
           {node.high[0][i], node.high[1][i], node.high[2][i]}};

@@ -1,0 +1,291 @@
+#include "stages/intersect.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "stages/predicates.h"
+
+namespace vasamesh {
+
+namespace {
+
+constexpr std::size_t kLeaves = 512;  // leaf nodes a task takes
+
+// ---- Dismissal in double. Each function says true only where it is certain.
+// ----------------------
+
+struct Vec {
+  double x, y, z;
+};
+Vec operator-(const Vec& a, const Vec& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+Vec operator+(const Vec& a, const Vec& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+Vec operator*(double s, const Vec& a) { return {s * a.x, s * a.y, s * a.z}; }
+double dot(const Vec& a, const Vec& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+Vec cross(const Vec& a, const Vec& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+Vec unit(const Vec& a) { return (1.0 / std::sqrt(dot(a, a))) * a; }
+double largest(const Vec& a) { return std::max({std::abs(a.x), std::abs(a.y), std::abs(a.z)}); }
+
+/// p - origin, to one rounding a component.
+Vec relative(const float* p, const float* origin) {
+  return {double{p[0]} - origin[0], double{p[1]} - origin[1], double{p[2]} - origin[2]};
+}
+
+// With u = 2^-53 and all components of the vectors at most m in size, where a vector carries one
+// rounding from relative():
+//   |error of dot(k, p)| <= 5 u |k|_1 m for any k;
+//   |error of dot(cross(a, b), c)| <= 8 u * 6 m^3 (Shewchuk 1997, the bound A of orient3d);
+//   |error of dot(cross(a, b), cross(c, d))| <= 12 u * 12 m^4.
+constexpr double kDotError = 8 * 0x1p-53;
+constexpr double kDetError = 64 * 0x1p-53;
+constexpr double kCrossDotError = 192 * 0x1p-53;
+
+/// Whether planes across `axis` lie between the points a and the points b.
+bool separates(const Vec& axis, const Vec (&a)[3], const Vec (&b)[3], double m) {
+  const double error = 2 * kDotError * (std::abs(axis.x) + std::abs(axis.y) + std::abs(axis.z)) * m;
+  const double a0 = dot(axis, a[0]), a1 = dot(axis, a[1]), a2 = dot(axis, a[2]);
+  const double b0 = dot(axis, b[0]), b1 = dot(axis, b[1]), b2 = dot(axis, b[2]);
+  return std::min({a0, a1, a2}) > std::max({b0, b1, b2}) + error ||
+         std::min({b0, b1, b2}) > std::max({a0, a1, a2}) + error;
+}
+
+/// Whether some axis shows that two triangles do not meet at all.
+bool certainly_apart(const float* const (&p)[3], const float* const (&q)[3]) {
+  Vec a[3], b[3];
+  double m = 0;
+  for (int i = 0; i < 3; ++i) {
+    a[i] = relative(p[i], p[0]);
+    b[i] = relative(q[i], p[0]);
+    m = std::max({m, largest(a[i]), largest(b[i])});
+  }
+  const Vec e[3] = {a[1] - a[0], a[2] - a[1], a[0] - a[2]};
+  const Vec f[3] = {b[1] - b[0], b[2] - b[1], b[0] - b[2]};
+  const Vec n = cross(e[0], e[1]), o = cross(f[0], f[1]);
+  if (separates(n, a, b, m) || separates(o, a, b, m)) return true;
+  for (const Vec& edge : e)
+    if (separates(cross(n, edge), a, b, m)) return true;
+  for (const Vec& edge : f)
+    if (separates(cross(o, edge), a, b, m)) return true;
+  for (const Vec& edge : e)
+    for (const Vec& other : f)
+      if (separates(cross(edge, other), a, b, m)) return true;
+  return false;
+}
+
+/// Whether x and y are certainly of one sign, each beyond `error`.
+bool same_side(double x, double y, double error) {
+  return (x > error && y > error) || (x < -error && y < -error);
+}
+
+/// Whether the triangles (v, p0, p1) and (v, q0, q1) certainly meet in v alone.
+bool certainly_meet_in_vertex(const float* v, const float* const (&p)[2],
+                              const float* const (&q)[2]) {
+  const Vec a = relative(p[0], v), b = relative(p[1], v);
+  const Vec c = relative(q[0], v), d = relative(q[1], v);
+  const double m = std::max({largest(a), largest(b), largest(c), largest(d)});
+  const double error = kDetError * m * m * m;
+  const Vec n = cross(a, b), o = cross(c, d);
+  if (same_side(dot(n, c), dot(n, d), error) || same_side(dot(o, a), dot(o, b), error)) return true;
+  const Vec axis = (unit(a) + unit(b)) - (unit(c) + unit(d));
+  const double side_error =
+      2 * kDotError * (std::abs(axis.x) + std::abs(axis.y) + std::abs(axis.z)) * m;
+  return dot(axis, a) > side_error && dot(axis, b) > side_error && dot(axis, c) < -side_error &&
+         dot(axis, d) < -side_error;
+}
+
+/// Whether the triangles (u, v, p) and (v, u, q) are certainly not folded onto each other.
+bool certainly_unfolded(const float* u, const float* v, const float* p, const float* q) {
+  const Vec edge = relative(v, u), a = relative(p, u), b = relative(q, u);
+  const double m = std::max({largest(edge), largest(a), largest(b)});
+  const Vec n = cross(edge, a);
+  return dot(n, cross(edge, b)) < -kCrossDotError * m * m * m * m ||
+         std::abs(dot(n, b)) > kDetError * m * m * m;
+}
+
+// ---- Exact decisions.
+// ------------------------------------------------------------------------------
+
+using Corners = const float* [3];
+
+/// An axis along which the triangle projects to one that is not degenerate.
+int projection_axis(const Corners& t) {
+  for (int axis = 0; axis < 2; ++axis)
+    if (orient2d(t[0], t[1], t[2], axis) != 0) return axis;
+  return 2;
+}
+
+bool between(const float* p, const float* q, const float* x, int axis) {
+  const int i = (axis + 1) % 3, j = (axis + 2) % 3;
+  return std::min(p[i], q[i]) <= x[i] && x[i] <= std::max(p[i], q[i]) &&
+         std::min(p[j], q[j]) <= x[j] && x[j] <= std::max(p[j], q[j]);
+}
+
+/// Whether two closed segments of one plane meet, seen along `axis`.
+bool segments_meet(const float* p, const float* q, const float* r, const float* s, int axis) {
+  const int r_side = orient2d(p, q, r, axis), s_side = orient2d(p, q, s, axis);
+  const int p_side = orient2d(r, s, p, axis), q_side = orient2d(r, s, q, axis);
+  if (r_side * s_side < 0 && p_side * q_side < 0) return true;
+  return (r_side == 0 && between(p, q, r, axis)) || (s_side == 0 && between(p, q, s, axis)) ||
+         (p_side == 0 && between(r, s, p, axis)) || (q_side == 0 && between(r, s, q, axis));
+}
+
+bool inside_in_plane(const float* p, const Corners& t, int axis) {
+  const int a = orient2d(t[0], t[1], p, axis), b = orient2d(t[1], t[2], p, axis),
+            c = orient2d(t[2], t[0], p, axis);
+  return (a >= 0 && b >= 0 && c >= 0) || (a <= 0 && b <= 0 && c <= 0);
+}
+
+/// Whether the closed segment (p, q) meets the closed triangle, not degenerate.
+bool segment_meets_triangle(const float* p, const float* q, const Corners& t) {
+  const int p_side = orient3d(t[0], t[1], t[2], p), q_side = orient3d(t[0], t[1], t[2], q);
+  if (p_side * q_side > 0) return false;
+  if (p_side == 0 && q_side == 0) {
+    const int axis = projection_axis(t);
+    if (inside_in_plane(p, t, axis) || inside_in_plane(q, t, axis)) return true;
+    for (int i = 0; i < 3; ++i)
+      if (segments_meet(p, q, t[i], t[(i + 1) % 3], axis)) return true;
+    return false;
+  }
+  const int a = orient3d(p, q, t[0], t[1]), b = orient3d(p, q, t[1], t[2]),
+            c = orient3d(p, q, t[2], t[0]);
+  return (a >= 0 && b >= 0 && c >= 0) || (a <= 0 && b <= 0 && c <= 0);
+}
+
+/// Two triangles without a common vertex.
+bool disjoint_meet(const Corners& a, const Corners& b) {
+  if (certainly_apart(a, b)) return false;
+  for (int i = 0; i < 3; ++i)
+    if (segment_meets_triangle(a[i], a[(i + 1) % 3], b) ||
+        segment_meets_triangle(b[i], b[(i + 1) % 3], a))
+      return true;
+  return false;
+}
+
+/// Two triangles with the common vertex 0. What else they share reaches the opposite edge of one.
+bool meet_beyond_vertex(const Corners& a, const Corners& b) {
+  if (certainly_meet_in_vertex(a[0], {a[1], a[2]}, {b[1], b[2]})) return false;
+  return segment_meets_triangle(a[1], a[2], b) || segment_meets_triangle(b[1], b[2], a);
+}
+
+/// Two triangles with the common edge 0, 1: only when they lie on each other.
+bool meet_beyond_edge(const Corners& a, const float* other) {
+  if (certainly_unfolded(a[0], a[1], a[2], other)) return false;
+  if (orient3d(a[0], a[1], a[2], other) != 0) return false;
+  const int axis = projection_axis(a);
+  return orient2d(a[0], a[1], other, axis) == orient2d(a[0], a[1], a[2], axis);
+}
+
+/// Common vertices of two triangles: `a` and `b` give the corners of each, common ones first.
+int match_corners(const std::uint32_t* p, const std::uint32_t* q, int (&a)[3], int (&b)[3]) {
+  int common = 0, rest_a = 2;
+  bool used[3] = {};
+  for (int i = 0; i < 3; ++i) {
+    int j = 0;
+    while (j < 3 && (used[j] || p[i] != q[j])) ++j;
+    if (j == 3) {
+      a[rest_a--] = i;
+      continue;
+    }
+    used[j] = true;
+    a[common] = i;
+    b[common++] = j;
+  }
+  for (int j = 0, next = common; j < 3; ++j)
+    if (!used[j]) b[next++] = j;
+  return common;
+}
+
+/// Calls visit(leaf) for the leaf nodes from `first` on whose boxes meet `box`.
+template <class Visit>
+void for_each_leaf(const TriangleTree& tree, const Box& box, std::size_t first,
+                   const Visit& visit) {
+  struct Entry {
+    int level;
+    std::size_t node;
+  };
+  Entry stack[128];
+  int size = 0;
+  stack[size++] = {static_cast<int>(tree.levels.size()) - 1, 0};
+  while (size > 0) {
+    const Entry entry = stack[--size];
+    if (entry.level == 0) {
+      visit(entry.node);
+      continue;
+    }
+    for (unsigned hits = meeting(tree.levels[entry.level][entry.node], box); hits;
+         hits &= hits - 1) {
+      const std::size_t child = 8 * entry.node + std::countr_zero(hits);
+      const std::size_t last = ((child + 1) << 3 * (entry.level - 1)) - 1;
+      if (last >= first) stack[size++] = {entry.level - 1, child};
+    }
+  }
+}
+
+std::vector<TrianglePair> pairs_of_leaf(const TriangleMesh& mesh, const TriangleTree& tree,
+                                        std::size_t leaf) {
+  std::vector<TrianglePair> pairs;
+  const BoxNode& node = tree.levels[0][leaf];
+  const std::size_t count = std::min<std::size_t>(8, tree.order.size() - 8 * leaf);
+  for_each_leaf(tree, box_of(node), leaf, [&](std::size_t other) {
+    for (std::size_t i = 0; i < count; ++i) {
+      unsigned hits = meeting(tree.levels[0][other], box_of(node, static_cast<int>(i)));
+      if (other == leaf) hits &= ~((2u << i) - 1);
+      for (; hits; hits &= hits - 1) {
+        const std::uint32_t a = tree.order[8 * leaf + i];
+        const std::uint32_t b = tree.order[8 * other + std::countr_zero(hits)];
+        if (triangles_intersect(mesh, a, b)) pairs.push_back({std::min(a, b), std::max(a, b)});
+      }
+    }
+  });
+  return pairs;
+}
+
+}  // namespace
+
+bool triangles_intersect(const TriangleMesh& mesh, std::uint32_t a, std::uint32_t b) {
+  const std::uint32_t* p = mesh.triangles.data() + 3 * std::size_t{a};
+  const std::uint32_t* q = mesh.triangles.data() + 3 * std::size_t{b};
+  int i[3], j[3];
+  const int common = match_corners(p, q, i, j);
+  const auto at = [&](std::uint32_t v) { return mesh.vertices.data() + 3 * std::size_t{v}; };
+  const Corners s = {at(p[i[0]]), at(p[i[1]]), at(p[i[2]])};
+  const Corners t = {at(q[j[0]]), at(q[j[1]]), at(q[j[2]])};
+  switch (common) {
+    case 0:
+      return disjoint_meet(s, t);
+    case 1:
+      return meet_beyond_vertex(s, t);
+    case 2:
+      return meet_beyond_edge(s, t[2]);
+    default:
+      return true;
+  }
+}
+
+Intersections find_intersections(Backend& backend, const TriangleMesh& mesh,
+                                 const TriangleTree& tree) {
+  Intersections result;
+  if (tree.empty()) return result;
+  const std::size_t leaves = tree.levels[0].size();
+  std::vector<std::vector<TrianglePair>> parts((leaves + kLeaves - 1) / kLeaves);
+  backend.run(parts.size(), [&](std::size_t part) {
+    for (std::size_t leaf = part * kLeaves; leaf < std::min((part + 1) * kLeaves, leaves); ++leaf) {
+      const auto pairs = pairs_of_leaf(mesh, tree, leaf);
+      parts[part].insert(parts[part].end(), pairs.begin(), pairs.end());
+    }
+  });
+  for (const auto& part : parts) {
+    result.count += static_cast<std::int64_t>(part.size());
+    result.pairs.insert(result.pairs.end(), part.begin(), part.end());
+  }
+  std::sort(result.pairs.begin(), result.pairs.end(), [](const auto& a, const auto& b) {
+    return a.first != b.first ? a.first < b.first : a.second < b.second;
+  });
+  if (result.pairs.size() > Intersections::kMostListed)
+    result.pairs.resize(Intersections::kMostListed);
+  return result;
+}
+
+}  // namespace vasamesh

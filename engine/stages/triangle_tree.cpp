@@ -1,0 +1,154 @@
+#include "stages/triangle_tree.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace vasamesh {
+
+namespace {
+
+constexpr std::size_t kChunk = 32768;  // triangles or nodes a task takes
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr Box kNothing{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
+
+std::size_t chunks(std::size_t count) { return (count + kChunk - 1) / kChunk; }
+
+void extend(Box& box, const float* p) {
+  for (int a = 0; a < 3; ++a) {
+    box.low[a] = std::min(box.low[a], p[a]);
+    box.high[a] = std::max(box.high[a], p[a]);
+  }
+}
+
+Box triangle_box(const TriangleMesh& mesh, std::uint32_t triangle) {
+  Box box = kNothing;
+  for (int i = 0; i < 3; ++i)
+    extend(box,
+           mesh.vertices.data() + 3 * std::size_t{mesh.triangles[3 * std::size_t{triangle} + i]});
+  return box;
+}
+
+struct Keyed {
+  std::uint32_t key, triangle;
+};
+
+/// Ten bits, two apart.
+std::uint32_t spread(std::uint32_t bits) {
+  bits = (bits | bits << 16) & 0x030000ffu;
+  bits = (bits | bits << 8) & 0x0300f00fu;
+  bits = (bits | bits << 4) & 0x030c30c3u;
+  return (bits | bits << 2) & 0x09249249u;
+}
+
+/// Place along the Morton curve, 1024 cells along the longest side of `whole`.
+std::uint32_t morton_key(const Box& box, const Box& whole, float scale) {
+  std::uint32_t key = 0;
+  for (int a = 0; a < 3; ++a) {
+    const float centre = 0.5f * box.low[a] + 0.5f * box.high[a];
+    const float cell = std::clamp((centre - whole.low[a]) * scale, 0.0f, 1023.0f);
+    key |= spread(static_cast<std::uint32_t>(cell)) << a;
+  }
+  return key;
+}
+
+/// Stable sort by the 30 bits of the keys.
+void sort_by_key(std::vector<Keyed>& items) {
+  constexpr int kDigit = 10;
+  std::vector<Keyed> other(items.size());
+  for (int shift = 0; shift < 30; shift += kDigit) {
+    std::array<std::uint32_t, (1 << kDigit) + 1> start{};
+    const auto digit = [shift](const Keyed& item) {
+      return item.key >> shift & ((1u << kDigit) - 1);
+    };
+    for (const Keyed& item : items) ++start[digit(item) + 1];
+    for (int d = 0; d < 1 << kDigit; ++d) start[d + 1] += start[d];
+    for (const Keyed& item : items) other[start[digit(item)]++] = item;
+    items.swap(other);
+  }
+}
+
+void set_box(BoxNode& node, std::size_t i, const Box& box) {
+  for (int a = 0; a < 3; ++a) {
+    node.low[a][i] = box.low[a];
+    node.high[a][i] = box.high[a];
+  }
+}
+
+/// Nodes over `count` boxes, eight each.
+template <class BoxOf>
+std::vector<BoxNode> make_level(Backend& backend, std::size_t count, const BoxOf& box) {
+  std::vector<BoxNode> nodes((count + 7) / 8);
+  backend.run(chunks(nodes.size()), [&](std::size_t chunk) {
+    const std::size_t end = std::min((chunk + 1) * kChunk, nodes.size());
+    for (std::size_t n = chunk * kChunk; n < end; ++n)
+      for (std::size_t i = 0; i < 8; ++i)
+        set_box(nodes[n], i, 8 * n + i < count ? box(8 * n + i) : kNothing);
+  });
+  return nodes;
+}
+
+std::vector<std::uint32_t> morton_order(Backend& backend, const TriangleMesh& mesh,
+                                        const std::vector<std::uint8_t>& keep) {
+  std::vector<Keyed> items;
+  items.reserve(mesh.triangle_count());
+  for (std::size_t t = 0; t < mesh.triangle_count(); ++t)
+    if (keep.empty() || keep[t]) items.push_back({0, static_cast<std::uint32_t>(t)});
+  std::vector<Box> part(chunks(items.size()), kNothing);
+  const auto for_items = [&](std::size_t chunk, const auto& visit) {
+    const std::size_t end = std::min((chunk + 1) * kChunk, items.size());
+    for (std::size_t i = chunk * kChunk; i < end; ++i)
+      visit(items[i], triangle_box(mesh, items[i].triangle));
+  };
+  backend.run(part.size(), [&](std::size_t chunk) {
+    for_items(chunk, [&](Keyed&, const Box& box) {
+      extend(part[chunk], box.low);
+      extend(part[chunk], box.high);
+    });
+  });
+  Box whole = kNothing;
+  for (const Box& box : part) {
+    extend(whole, box.low);
+    extend(whole, box.high);
+  }
+  float side = 0;
+  for (int a = 0; a < 3; ++a) side = std::max(side, whole.high[a] - whole.low[a]);
+  const float scale = side > 0 ? 1024.0f / side : 0.0f;
+  backend.run(part.size(), [&](std::size_t chunk) {
+    for_items(chunk,
+              [&](Keyed& item, const Box& box) { item.key = morton_key(box, whole, scale); });
+  });
+  sort_by_key(items);
+  std::vector<std::uint32_t> order(items.size());
+  for (std::size_t i = 0; i < items.size(); ++i) order[i] = items[i].triangle;
+  return order;
+}
+
+}  // namespace
+
+Box box_of(const BoxNode& node) {
+  Box box = kNothing;
+  for (int a = 0; a < 3; ++a)
+    for (int i = 0; i < 8; ++i) {
+      box.low[a] = std::min(box.low[a], node.low[a][i]);
+      box.high[a] = std::max(box.high[a], node.high[a][i]);
+    }
+  return box;
+}
+
+TriangleTree build_triangle_tree(Backend& backend, const TriangleMesh& mesh,
+                                 const std::vector<std::uint8_t>& keep) {
+  TriangleTree tree;
+  tree.order = morton_order(backend, mesh, keep);
+  if (tree.order.empty()) return tree;
+  tree.levels.push_back(make_level(backend, tree.order.size(), [&](std::size_t i) {
+    return triangle_box(mesh, tree.order[i]);
+  }));
+  while (tree.levels.back().size() > 1) {
+    const std::vector<BoxNode>& below = tree.levels.back();
+    tree.levels.push_back(
+        make_level(backend, below.size(), [&](std::size_t i) { return box_of(below[i]); }));
+  }
+  return tree;
+}
+
+}  // namespace vasamesh
