@@ -7,7 +7,7 @@
 
 #include "reference/poisson_reference.h"
 #include "stages/bricks.h"
-#include "support/backends.h"
+#include "support/backend_test.h"
 #include "support/brick_sets.h"
 #include "types/octree.h"
 

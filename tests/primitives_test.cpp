@@ -6,7 +6,7 @@
 #include <numeric>
 #include <random>
 
-#include "support/backends.h"
+#include "support/backend_test.h"
 #include "support/brick_sets.h"
 #include "vasamesh/errors.h"
 

@@ -36,13 +36,4 @@ std::shared_ptr<Backend> open_backend(const std::string& name) {
   return make_tbb_backend(2, nullptr);
 }
 
-std::string test_name(const ::testing::TestParamInfo<std::string>& info) { return info.param; }
-
-void BackendTest::SetUp() {
-  backend_ = open_backend(GetParam());
-  if (!backend_) GTEST_SKIP() << "no OpenCL device here";
-  ASSERT_TRUE(GetParam().starts_with(backend_->name())) << backend_->name();
-  ASSERT_FALSE(backend_->device().empty());
-}
-
 }  // namespace vasamesh

@@ -1,14 +1,7 @@
 #pragma once
 
 /// \file
-/// One test body for every backend: a test suite derives from BackendTest, is instantiated over
-/// backend_names(), and runs on each in turn.
-///
-///     class Sums : public BackendTest {};
-///     TEST_P(Sums, OfNothing) { EXPECT_EQ(backend().reduce_sum({}), 0); }
-///     INSTANTIATE_TEST_SUITE_P(Backends, Sums, ::testing::ValuesIn(backend_names()), test_name);
-
-#include <gtest/gtest.h>
+/// The backends by name, for tests and benchmarks, and their copies as vectors.
 
 #include <memory>
 #include <string>
@@ -25,9 +18,6 @@ std::vector<std::string> backend_names();
 /// The backend of that name; null where it needs an OpenCL device and there is none.
 std::shared_ptr<Backend> open_backend(const std::string& name);
 
-/// A name for INSTANTIATE_TEST_SUITE_P.
-std::string test_name(const ::testing::TestParamInfo<std::string>& info);
-
 /// A buffer of the backend with the given values.
 template <class T>
 Buffer<T> to_backend(Backend& backend, const std::vector<T>& values) {
@@ -43,16 +33,5 @@ std::vector<std::remove_const_t<T>> to_host(Backend& backend, View<T> view) {
   backend.download<std::remove_const_t<T>>(view, values);
   return values;
 }
-
-/// Skips where the backend needs an OpenCL device and there is none; checks that the backend that
-/// opened is the one that was asked for.
-class BackendTest : public ::testing::TestWithParam<std::string> {
- protected:
-  void SetUp() override;
-  Backend& backend() { return *backend_; }
-
- private:
-  std::shared_ptr<Backend> backend_;
-};
 
 }  // namespace vasamesh

@@ -18,13 +18,27 @@ std::vector<BrickCoord> random_bricks(int count, std::uint32_t seed) {
   return chosen;
 }
 
-std::vector<float> awkward_floats(std::size_t count, std::uint32_t seed) {
+std::vector<BrickCoord> shell_bricks(int radius) {
+  std::vector<BrickCoord> bricks;
+  for (int z = -radius - 1; z <= radius + 1; ++z)
+    for (int y = -radius - 1; y <= radius + 1; ++y)
+      for (int x = -radius - 1; x <= radius + 1; ++x)
+        if (std::abs(std::sqrt(static_cast<double>(x * x + y * y + z * z)) - radius) <= 1)
+          bricks.push_back({x, y, z});
+  return bricks;
+}
+
+std::vector<float> random_floats(std::size_t count, std::uint32_t seed) {
   std::mt19937 random(seed);
-  const auto unit = [&random] { return static_cast<float>(random()) * 0x1p-31f - 1.0f; };
   std::vector<float> values(count);
-  for (float& value : values) {
-    value = unit();
-    switch (random() % 16) {
+  for (float& value : values) value = static_cast<float>(random()) * 0x1p-31f - 1.0f;
+  return values;
+}
+
+std::vector<float> awkward_floats(std::size_t count, std::uint32_t seed) {
+  std::mt19937 random(seed + 1000);
+  std::vector<float> values = random_floats(count, seed);
+  for (float& value : values) switch (random() % 16) {
       case 0:
         value = 0.0f;
         break;
@@ -43,7 +57,6 @@ std::vector<float> awkward_floats(std::size_t count, std::uint32_t seed) {
       default:
         break;
     }
-  }
   return values;
 }
 
