@@ -11,10 +11,9 @@
 namespace vasamesh {
 namespace {
 
-constexpr int kMostRounds = 2000;
-constexpr int kMostChildren = 3;
-constexpr double kCrowded = 0.5;  ///< steps between a new node and the nearest other
-constexpr int kSmoothingPasses = 6;
+constexpr int kMostChildren = 2;
+constexpr int kCandidates = 5;  ///< places tried for a target
+constexpr int kSmoothingPasses = 14;
 constexpr int kTaperNodes = 8;
 constexpr int kSplinePieces = 3;
 
@@ -22,6 +21,7 @@ struct Node {
   Vec3 position;
   int parent;           ///< -1 for a root
   double least_radius;  ///< of a trunk; 0 for what grew
+  double way = 0;       ///< from the trunk, mm
   int children = 0;
   int tips = 0;         ///< ends of the vessels beyond; 1 for a tip
   int main_child = -1;  ///< the thickest child
@@ -31,36 +31,38 @@ struct Node {
 
 struct Target {
   Vec3 position;
-  int nearest = -1;
-  double square = std::numeric_limits<double>::infinity();
-  bool done = false;
+  int node = -1;  ///< where to join it
+  double cost = std::numeric_limits<double>::infinity();
 };
 
-/// Smooth random displacement: a sum of plane waves.
+/// Smooth random displacement: plane waves, each shorter and lower than the one before.
 class Bending {
  public:
-  Bending(const TreePlan& plan, Random& random) : amplitude_(plan.bending / kWaves) {
+  Bending(const TreePlan& plan, Random& random) {
+    double amplitude = plan.bending, length = plan.bending_length;
     for (Wave& wave : waves_) {
       const Vec3 way(random.between(-1, 1), random.between(-1, 1), random.between(-1, 1));
-      wave.number = 2 * std::numbers::pi / plan.bending_length * way.normalized();
+      wave.number = 2 * std::numbers::pi / length * way.normalized();
+      wave.amplitude = amplitude;
       for (int a = 0; a < 3; ++a) wave.phase[a] = random.between(0, 2 * std::numbers::pi);
+      amplitude *= 0.6;
+      length *= 0.7;
     }
   }
   Vec3 operator()(const Vec3& p) const {
     Vec3 bent = p;
     for (const Wave& wave : waves_)
       for (int a = 0; a < 3; ++a)
-        bent[a] += amplitude_ * std::sin(wave.number.dot(p) + wave.phase[a]);
+        bent[a] += wave.amplitude * std::sin(wave.number.dot(p) + wave.phase[a]);
     return bent;
   }
 
  private:
-  static constexpr int kWaves = 3;
   struct Wave {
     Vec3 number, phase;
+    double amplitude;
   };
-  std::array<Wave, kWaves> waves_;
-  double amplitude_;
+  std::array<Wave, 4> waves_;
 };
 
 class Growth {
@@ -70,8 +72,7 @@ class Growth {
   std::vector<Vessel> run() {
     plant_trunks();
     scatter_targets();
-    for (int round = 0; round < kMostRounds && grow_round(); ++round) {
-    }
+    while (!targets_.empty()) join_cheapest();
     count_tips();
     set_radii();
     taper_tips();
@@ -83,12 +84,10 @@ class Growth {
  private:
   void plant_trunks();
   void scatter_targets();
-  bool grow_round();
-  Vec3 next_position(int node, const Vec3& pull) const;
-  bool is_crowded(const Vec3& place) const;
-  void give_up_targets(int node);
+  void join_cheapest();
   void add_node(const Node& node);
-  void meet_targets(int node);
+  void offer(int node, Target& target) const;
+  void offer_all(Target& target) const;
   void count_tips();
   void set_radii();
   void taper_tips();
@@ -119,15 +118,33 @@ void Growth::plant_trunks() {
   }
 }
 
+/// A place in the region.
+Vec3 scatter(const TargetRegion& region, Random& random) {
+  for (;;) {
+    const Vec3 p(random.between(-1, 1), random.between(-1, 1), random.between(-1, 1));
+    if (p.norm() <= 1 && p.norm() >= region.hollow)
+      return region.centre + p.cwiseProduct(region.half_axes);
+  }
+}
+
+double distance_to_targets(const Vec3& p, const std::vector<Target>& targets) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const Target& target : targets) least = std::min(least, (target.position - p).norm());
+  return least;
+}
+
+/// Each target is the loneliest of a few places: an even cover of the regions.
 void Growth::scatter_targets() {
   for (const TargetRegion& region : plan_.regions)
-    for (int n = 0; n < region.count;) {
-      const Vec3 p(random_.between(-1, 1), random_.between(-1, 1), random_.between(-1, 1));
-      if (p.norm() > 1 || p.norm() < region.hollow) continue;
-      targets_.push_back({region.centre + p.cwiseProduct(region.half_axes)});
-      ++n;
+    for (int n = 0; n < region.count; ++n) {
+      Vec3 best = scatter(region, random_);
+      for (int candidate = 1; candidate < kCandidates; ++candidate) {
+        const Vec3 p = scatter(region, random_);
+        if (distance_to_targets(p, targets_) > distance_to_targets(best, targets_)) best = p;
+      }
+      targets_.push_back({best});
     }
-  for (int node = 0; node < static_cast<int>(nodes_.size()); ++node) meet_targets(node);
+  for (Target& target : targets_) offer_all(target);
 }
 
 void Growth::add_node(const Node& node) {
@@ -135,60 +152,46 @@ void Growth::add_node(const Node& node) {
   nodes_.push_back(node);
 }
 
-void Growth::meet_targets(int node) {
-  for (Target& target : targets_) {
-    const double square = (target.position - nodes_[node].position).squaredNorm();
-    if (target.done || square >= target.square) continue;
-    target.square = square;
-    target.nearest = node;
-    target.done = square < plan_.reached * plan_.reached;
+/// Joins the target to the node if that is the cheapest so far.
+void Growth::offer(int node, Target& target) const {
+  const Node& from = nodes_[node];
+  const Vec3 wire = target.position - from.position;
+  const double length = wire.norm();
+  const Vec3 before = from.parent < 0 ? wire : Vec3(from.position - nodes_[from.parent].position);
+  const double cosine = wire.dot(before) / std::max(1e-9, length * before.norm());
+  const double cost =
+      length * (1 + plan_.turning * (1 - cosine)) + plan_.balance * (from.way + length);
+  const bool is_bare = from.least_radius > plan_.bare_radius && from.children > 0;
+  if (is_bare || from.children >= kMostChildren || cost >= target.cost) return;
+  target.cost = cost;
+  target.node = node;
+}
+
+void Growth::offer_all(Target& target) const {
+  target.cost = std::numeric_limits<double>::infinity();
+  for (int node = 0; node < static_cast<int>(nodes_.size()); ++node) offer(node, target);
+}
+
+/// Joins the target of least cost by a straight line of nodes, each a place to branch from.
+void Growth::join_cheapest() {
+  const auto best =
+      std::min_element(targets_.begin(), targets_.end(),
+                       [](const Target& a, const Target& b) { return a.cost < b.cost; });
+  const Target target = *best;
+  targets_.erase(best);
+  const Vec3 start = nodes_[target.node].position, wire = target.position - start;
+  const int count = std::max(1, static_cast<int>(wire.norm() / plan_.step));
+  const int first = static_cast<int>(nodes_.size());
+  for (int n = 1; n <= count; ++n) {
+    const int parent = n == 1 ? target.node : static_cast<int>(nodes_.size()) - 1;
+    const double way = nodes_[parent].way + wire.norm() / count;
+    add_node({start + wire * (static_cast<double>(n) / count), parent, 0, way});
+    nodes_.back().grown = true;
   }
-}
-
-/// Where a node that is drawn along `pull` puts its child.
-Vec3 Growth::next_position(int node, const Vec3& pull) const {
-  Vec3 way = pull.normalized();
-  const int parent = nodes_[node].parent;
-  if (parent >= 0 && nodes_[node].children == 0)
-    way += plan_.persistence * (nodes_[node].position - nodes_[parent].position).normalized();
-  return nodes_[node].position + plan_.step * way.normalized();
-}
-
-bool Growth::is_crowded(const Vec3& place) const {
-  const double least = kCrowded * plan_.step;
-  return std::any_of(nodes_.begin(), nodes_.end(), [&](const Node& node) {
-    return (node.position - place).squaredNorm() < least * least;
-  });
-}
-
-/// One new node for each node that draws targets. \return whether anything changed.
-bool Growth::grow_round() {
-  std::vector<Vec3> pull(nodes_.size(), Vec3::Zero());
-  std::vector<char> drawn(nodes_.size(), 0);
-  for (const Target& target : targets_) {
-    if (target.done) continue;
-    pull[target.nearest] += (target.position - nodes_[target.nearest].position).normalized();
-    drawn[target.nearest] = 1;
+  for (Target& other : targets_) {
+    if (nodes_[other.node].children >= kMostChildren) offer_all(other);
+    for (int node = first; node < static_cast<int>(nodes_.size()); ++node) offer(node, other);
   }
-  bool changed = false;
-  for (int i = 0; i < static_cast<int>(drawn.size()); ++i) {
-    if (!drawn[i]) continue;
-    changed = true;
-    const Vec3 place = next_position(i, pull[i]);
-    if (nodes_[i].children >= kMostChildren || is_crowded(place)) {
-      give_up_targets(i);
-    } else {
-      add_node({place, i, 0});
-      nodes_.back().grown = true;
-      meet_targets(static_cast<int>(nodes_.size()) - 1);
-    }
-  }
-  return changed;
-}
-
-void Growth::give_up_targets(int node) {
-  for (Target& target : targets_)
-    if (target.nearest == node) target.done = true;
 }
 
 void Growth::count_tips() {

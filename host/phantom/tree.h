@@ -1,9 +1,9 @@
 #pragma once
 
 /// \file
-/// Random vessel trees by space colonisation (Runions, Lane and Prusinkiewicz, "Modeling trees with
-/// a space colonization algorithm", 2007): nodes grow towards scattered targets, each of which
-/// draws its nearest node until it is reached. Radii follow Murray's law, r0^3 = r1^3 + r2^3.
+/// Random vessel trees: scattered targets are joined one after the other to the tree, each where it
+/// costs least wire and way from the root (Cuntz, Forstner, Borst and Haeusser, "One rule to grow
+/// them all", 2010). Radii follow Murray's law, r0^3 = r1^3 + r2^3.
 
 #include <cstdint>
 #include <vector>
@@ -29,9 +29,10 @@ struct TreePlan {
   std::uint64_t seed = 1;
   std::vector<Vessel> trunks;  ///< given vessels, from their roots on; a radius is a least one
   std::vector<TargetRegion> regions;
-  double step = 1.5;           ///< way of growth, mm; also the distance of a spline's knots
-  double reached = 4;          ///< a target this near to a node is done, mm
-  double persistence = 0.6;    ///< weight of the old direction against the targets'
+  double step = 1.5;           ///< distance of a spline's knots, mm
+  double balance = 0.15;       ///< weight of the way from the trunk against new wire
+  double turning = 0.4;        ///< weight of turning away from the vessel's direction
+  double bare_radius = 1e9;    ///< trunks thicker than this branch only at their ends, mm
   double tip_radius = 0.45;    ///< before the taper, mm
   double end_radius = 0.3;     ///< of a tip after the taper, mm
   double bending = 3;          ///< amplitude of the smooth deformation of space, mm

@@ -3,6 +3,7 @@
 /// Table 1 by size, spacing and number of marching-cubes triangles.
 
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "phantom/random.h"
@@ -42,9 +43,15 @@ Vessel trunk(std::vector<Vec3> points, double first_radius, double last_radius) 
   return vessel;
 }
 
-/// A saccular aneurysm on the thickest grown stretch beyond `place`.
-void add_aneurysm(Recipe& recipe, const Vec3& centre, double radius) {
-  recipe.solid.parts.emplace_back(RoundCone(centre, centre, radius, radius));
+/// A saccular aneurysm of that radius on the side of the vessel nearest to `place`.
+void add_aneurysm(Recipe& recipe, const Vec3& place, const Vec3& way, double radius) {
+  Vec3 neck = place;
+  double least = std::numeric_limits<double>::infinity();
+  for (const auto& line : recipe.lines)
+    for (const Vec3& p : line)
+      if ((p - place).squaredNorm() < least) least = (p - place).squaredNorm(), neck = p;
+  const Vec3 dome = neck + 1.35 * radius * way.normalized();
+  recipe.solid.parts.emplace_back(RoundCone(neck, dome, 0.5 * radius, radius));
 }
 
 Vec3 tree_spacing(Random& random) {
@@ -65,7 +72,6 @@ Recipe tree_recipe(const PhantomOptions& options) {
   TreePlan plan;
   plan.seed = random.next();
   plan.step = 2 * v;
-  plan.reached = 4 * v;
   plan.tip_radius = ruler.radius;
   plan.end_radius = 0.6 * ruler.radius;
   plan.bending = 2 * v;
@@ -83,19 +89,20 @@ Recipe cerebral_recipe(const PhantomOptions& options) {
   TreePlan plan;
   plan.seed = options.seed;
   plan.tip_radius = 0.5;
+  plan.bare_radius = 2;
   plan.end_radius = 0.3;
   // Two carotid arteries and the basilar artery, cut by the lower border, and the circle of Willis.
   const Vec3 right(-14, -8, -42), left(14, -8, -42), front(0, -26, -36), back(0, 18, -42);
-  plan.trunks = {trunk({{-24, 4, -74}, {-22, 6, -60}, {-14, -2, -54}, right}, 3.6, 2.8),
-                 trunk({{24, 4, -74}, {22, 6, -60}, {14, -2, -54}, left}, 3.6, 2.8),
-                 trunk({{1, 30, -74}, {-1, 26, -58}, back}, 2.8, 2.4),
+  plan.trunks = {trunk({{-24, 4, -74}, {-22, 6, -60}, {-14, -2, -54}, right}, 3.8, 2.5),
+                 trunk({{24, 4, -74}, {22, 6, -60}, {14, -2, -54}, left}, 3.8, 2.5),
+                 trunk({{1, 30, -74}, {-1, 26, -58}, back}, 3.0, 2.1),
                  trunk({right, {-8, -20, -38}, front}, 1.6, 1.2),
                  trunk({left, {8, -20, -38}, front}, 1.6, 1.2),
                  trunk({right, {-12, 6, -43}, back}, 1.0, 1.4),
                  trunk({left, {12, 6, -43}, back}, 1.0, 1.4)};
-  plan.regions = {{{0, 0, -2}, {118, 120, 60}, 0.35, 110}};
+  plan.regions = {{{0, 0, -2}, {96, 106, 60}, 0.35, 80}};
   Recipe recipe = tree_recipe_of(plan, lattice);
-  add_aneurysm(recipe, {-17, -12, -39}, 4.2);
+  add_aneurysm(recipe, right, {-0.6, -0.7, 0.4}, 4);
   return recipe;
 }
 
@@ -103,11 +110,11 @@ Recipe liver_recipe(const PhantomOptions& options) {
   const Lattice lattice = centred_lattice({512, 512, 279}, {0.6563, 0.6563, 0.5});
   TreePlan plan;
   plan.seed = options.seed;
-  plan.tip_radius = 0.6;
+  plan.tip_radius = 0.7;
   plan.end_radius = 0.4;
   plan.step = 2;
   plan.trunks = {trunk({{70, -20, -80}, {66, -10, -50}, {50, 0, -20}, {25, 5, 0}}, 5, 5)};
-  plan.regions = {{{-10, 0, 0}, {145, 130, 60}, 0, 900}};
+  plan.regions = {{{-10, 0, 0}, {145, 130, 60}, 0, 180}};
   return tree_recipe_of(plan, lattice);
 }
 
@@ -123,7 +130,7 @@ Recipe aorta_recipe(const PhantomOptions& options) {
   plan.trunks = {trunk({{0, 20, 160}, {0, 24, 60}, {4, 20, -40}, {0, 10, -70}}, 11, 8),
                  trunk({{0, 10, -70}, {-25, 10, -110}, {-45, -20, -160}}, 6, 5),
                  trunk({{0, 10, -70}, {25, 10, -110}, {45, -20, -160}}, 6, 5)};
-  plan.regions = {{{0, -40, 30}, {160, 130, 100}, 0.2, 300}};
+  plan.regions = {{{0, -40, 30}, {160, 130, 100}, 0.2, 110}};
   return tree_recipe_of(plan, lattice);
 }
 
