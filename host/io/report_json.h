@@ -17,6 +17,7 @@ nlohmann::ordered_json to_json(const Geometry& geometry);
 nlohmann::ordered_json to_json(const Parameters& parameters);
 nlohmann::ordered_json to_json(const InputFindings& findings);
 nlohmann::ordered_json to_json(const Finding& finding);
+nlohmann::ordered_json to_json(const Piece& piece);
 nlohmann::ordered_json to_json(const StageReport& stage);
 nlohmann::ordered_json to_json(const LevelReport& level);
 nlohmann::ordered_json to_json(const RelabelReport& relabel);

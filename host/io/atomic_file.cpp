@@ -1,0 +1,92 @@
+#include "io/atomic_file.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <system_error>
+
+#include "io/io_error.h"
+
+namespace vasamesh {
+namespace {
+
+std::string folder_of(const std::string& path) {
+  const std::string folder = std::filesystem::path(path).parent_path().string();
+  return folder.empty() ? "." : folder;
+}
+
+// The last ending, and the one before ".gz" with it.
+std::string name_ending(const std::string& path) {
+  const std::string name = std::filesystem::path(path).filename().string();
+  const std::size_t dot = name.rfind('.');
+  if (dot == std::string::npos) return {};
+  return name.ends_with(".gz") ? name.substr(name.rfind('.', dot - 1)) : name.substr(dot);
+}
+
+std::string temporary_name(const std::string& path) {
+  static std::atomic<unsigned> counter{0};
+  const std::string name =
+      ".vasamesh-" + std::to_string(getpid()) + "-" + std::to_string(counter++) + name_ending(path);
+  return (std::filesystem::path(folder_of(path)) / name).string();
+}
+
+[[noreturn]] void throw_not_written(const std::string& path) {
+  throw_refused(path, std::string("it could not be written (") + std::strerror(errno) + ")",
+                "make room on the disk");
+}
+
+}  // namespace
+
+void check_writable(const std::string& path) {
+  std::error_code error;
+  const std::string folder = folder_of(path);
+  if (!std::filesystem::is_directory(folder, error)) {
+    throw_refused(path, "the folder " + folder + " does not exist", "make it first");
+  }
+  if (std::filesystem::is_directory(path, error)) {
+    throw_refused(path, "a folder has this name", "choose another name");
+  }
+  if (access(folder.c_str(), W_OK | X_OK) != 0) {
+    throw_refused(path, "the folder " + folder + " is not writable", "choose another folder");
+  }
+}
+
+AtomicFile::AtomicFile(const std::string& path) : path_(path), temporary_(temporary_name(path)) {
+  check_writable(path);
+}
+
+AtomicFile::~AtomicFile() {
+  std::error_code error;
+  if (!committed_) std::filesystem::remove(temporary_, error);
+}
+
+void AtomicFile::commit() {
+  if (std::rename(temporary_.c_str(), path_.c_str()) != 0) throw_not_written(path_);
+  committed_ = true;
+}
+
+void write_file(const std::string& path, std::string_view bytes) {
+  AtomicFile file(path);
+  const int descriptor = open(file.temporary().c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666);
+  if (descriptor < 0) throw_not_written(path);
+  while (!bytes.empty()) {
+    const ssize_t written = write(descriptor, bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) {
+      const int cause = errno;
+      close(descriptor);
+      errno = cause;
+      throw_not_written(path);
+    }
+    bytes.remove_prefix(static_cast<std::size_t>(written));
+  }
+  if (close(descriptor) != 0) throw_not_written(path);
+  file.commit();
+}
+
+}  // namespace vasamesh

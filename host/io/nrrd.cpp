@@ -1,0 +1,87 @@
+/// \file
+/// NRRD (teem.sourceforge.net/nrrd/format.html), and 3D Slicer's .seg.nrrd of one layer.
+
+#include <itkNrrdImageIO.h>
+
+#include <bit>
+
+#include "io/io_error.h"
+#include "io/itk_header.h"
+#include "io/text_header.h"
+#include "io/volume_formats.h"
+
+namespace vasamesh {
+namespace {
+
+TextHeader read_header(const std::string& path) {
+  char magic[4] = {};
+  ByteStream(path, 0, Encoding::raw).read(magic, sizeof(magic));
+  if (std::string(magic, 4) != "NRRD") {
+    throw_bad_input(path, "it is no NRRD file", "check its format");
+  }
+  return read_text_header(path, ":",
+                          [](const std::string&, const std::string& line) { return line.empty(); });
+}
+
+Encoding data_encoding(const std::string& path, const TextHeader& header) {
+  const std::string encoding = header.get_lower("encoding");
+  if (encoding == "raw") return Encoding::raw;
+  if (encoding == "gzip" || encoding == "gz") return Encoding::deflate;
+  throw_bad_input(path, "its encoding is \"" + encoding + "\"",
+                  "write it with the encoding raw or gzip");
+}
+
+// Lines to skip come first, then bytes; -1 byte means that the voxels are the last bytes.
+void apply_skips(const std::string& path, const TextHeader& header, PixelLayout& layout) {
+  const auto value = [&](const char* key) {
+    const std::vector<double> numbers = header.numbers(key);
+    return numbers.empty() ? 0 : numbers[0];
+  };
+  const double lines = value("line skip") + value("lineskip");
+  const double bytes = value("byte skip") + value("byteskip");
+  const auto held = layout.count * static_cast<std::int64_t>(pixel_bytes(layout.type));
+  if (lines != 0 || bytes < -1 || bytes > 1e15) {
+    throw_bad_input(path, "it skips lines before its voxels", "write it as one .nrrd file");
+  }
+  if (bytes == -1) {
+    layout.file_offset = std::max(layout.file_offset, file_size(layout.file) - held);
+  } else if (layout.encoding == Encoding::raw) {
+    layout.file_offset += static_cast<std::int64_t>(bytes);
+  } else {
+    layout.skip = static_cast<std::int64_t>(bytes);
+  }
+}
+
+PixelLayout data_layout(const std::string& path, const TextHeader& header) {
+  PixelLayout layout;
+  const std::string name = header.get("data file", header.get("datafile"));
+  if (name.starts_with("LIST") || name.find('%') != std::string::npos) {
+    throw_bad_input(path, "its voxels are in several files", "write it as one .nrrd file");
+  }
+  layout.file = name.empty() ? path : beside(path, name);
+  layout.file_offset = name.empty() ? header.end : 0;
+  layout.encoding = data_encoding(path, header);
+  const bool big = header.get_lower("endian") == "big";
+  layout.swap_bytes = big != (std::endian::native == std::endian::big);
+  return layout;
+}
+
+}  // namespace
+
+Volume open_nrrd(const std::string& path) {
+  const TextHeader header = read_header(path);
+  for (const double spacing : header.numbers("spacings")) check_raw_spacing(path, spacing);
+  PixelLayout layout = data_layout(path, header);
+
+  auto io = itk::NrrdImageIO::New();
+  read_itk_header(path, *io);
+  Volume volume;
+  layout.type = itk_pixel_type(path, *io);
+  volume.geometry = itk_geometry(path, *io);
+  layout.count = voxel_count(path, volume.geometry);
+  apply_skips(path, header, layout);
+  volume.pixels = make_file_pixels(path, layout);
+  return volume;
+}
+
+}  // namespace vasamesh

@@ -1,0 +1,195 @@
+#include <vtkCellArray.h>
+#include <vtkCellArrayIterator.h>
+#include <vtkNew.h>
+#include <vtkObjectFactory.h>
+#include <vtkOutputWindow.h>
+#include <vtkPLYReader.h>
+#include <vtkPolyData.h>
+#include <vtkPolyDataReader.h>
+#include <vtkSTLReader.h>
+#include <vtkXMLPolyDataReader.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "io/byte_stream.h"
+#include "io/file_ending.h"
+#include "io/io_error.h"
+#include "io/obj_reader.h"
+#include "io/quiet.h"
+#include "io/surface_io.h"
+
+namespace vasamesh {
+namespace {
+
+/// Takes VTK's messages for its lifetime and remembers whether one was an error.
+class VtkMessages {
+ public:
+  VtkMessages() : previous_(vtkOutputWindow::GetInstance()) {
+    vtkOutputWindow::SetInstance(window_);
+  }
+  ~VtkMessages() { vtkOutputWindow::SetInstance(previous_); }
+  VtkMessages(const VtkMessages&) = delete;
+  VtkMessages& operator=(const VtkMessages&) = delete;
+  bool failed() const { return window_->failed; }
+
+ private:
+  class Window : public vtkOutputWindow {
+   public:
+    static Window* New() { VTK_STANDARD_NEW_BODY(Window); }
+    void DisplayText(const char*) override {}
+    void DisplayErrorText(const char*) override { failed = true; }
+    void DisplayWarningText(const char*) override {}
+    void DisplayGenericWarningText(const char*) override {}
+    void DisplayDebugText(const char*) override {}
+    bool failed = false;
+  };
+  vtkNew<Window> window_;
+  vtkSmartPointer<vtkOutputWindow> previous_;
+};
+
+template <class Reader, class Prepare>
+vtkSmartPointer<vtkPolyData> run_reader(const std::string& path, const Prepare& prepare) {
+  VtkMessages messages;
+  vtkNew<Reader> reader;
+  reader->SetFileName(path.c_str());
+  prepare(*reader);
+  reader->Update();
+  if (messages.failed() || reader->GetErrorCode() != 0 || !reader->GetOutput()) {
+    throw_bad_input(path, "it cannot be read as a surface: truncated, corrupt or another format",
+                    "write the surface again");
+  }
+  return reader->GetOutput();
+}
+
+vtkSmartPointer<vtkPolyData> read_poly_data(const std::string& path, const std::string& ending) {
+  const auto nothing = [](auto&) {};
+  if (ending == ".vtp") return run_reader<vtkXMLPolyDataReader>(path, nothing);
+  if (ending == ".ply") return run_reader<vtkPLYReader>(path, nothing);
+  if (ending == ".vtk") return run_reader<vtkPolyDataReader>(path, nothing);
+  return run_reader<vtkSTLReader>(path, [](vtkSTLReader& reader) { reader.MergingOff(); });
+}
+
+void copy_vertices(const std::string& path, vtkPolyData& data, TriangleMesh& mesh) {
+  const vtkIdType count = data.GetNumberOfPoints();
+  if (count > std::numeric_limits<std::uint32_t>::max()) {
+    throw_bad_input(path, "it has more than 2^32 - 1 vertices", "cut the surface");
+  }
+  mesh.vertices.resize(3 * static_cast<std::size_t>(count));
+  for (vtkIdType i = 0; i < count; ++i) {
+    std::array<double, 3> point;
+    data.GetPoint(i, point.data());
+    for (int axis = 0; axis < 3; ++axis) {
+      mesh.vertices[3 * i + axis] = static_cast<float>(point[axis]);
+    }
+  }
+}
+
+void append_triangle(const std::string& path, vtkIdType a, vtkIdType b, vtkIdType c,
+                     TriangleMesh& mesh) {
+  for (const vtkIdType corner : {a, b, c}) {
+    if (corner < 0 || corner > std::numeric_limits<std::uint32_t>::max()) {
+      throw_bad_input(path, "a triangle's index is out of range", "write the surface again");
+    }
+    mesh.triangles.push_back(static_cast<std::uint32_t>(corner));
+  }
+}
+
+void append_fans(const std::string& path, vtkCellArray& polygons, TriangleMesh& mesh) {
+  vtkIdType count = 0;
+  const vtkIdType* corners = nullptr;
+  const auto cell = vtk::TakeSmartPointer(polygons.NewIterator());
+  for (cell->GoToFirstCell(); !cell->IsDoneWithTraversal(); cell->GoToNextCell()) {
+    cell->GetCurrentCell(count, corners);
+    for (vtkIdType i = 2; i < count; ++i) {
+      append_triangle(path, corners[0], corners[i - 1], corners[i], mesh);
+    }
+  }
+}
+
+void append_strips(const std::string& path, vtkCellArray& strips, TriangleMesh& mesh) {
+  vtkIdType count = 0;
+  const vtkIdType* corners = nullptr;
+  const auto cell = vtk::TakeSmartPointer(strips.NewIterator());
+  for (cell->GoToFirstCell(); !cell->IsDoneWithTraversal(); cell->GoToNextCell()) {
+    cell->GetCurrentCell(count, corners);
+    for (vtkIdType i = 2; i < count; ++i) {
+      const vtkIdType odd = i % 2;
+      append_triangle(path, corners[i - 2], corners[i - 1 + odd], corners[i - odd], mesh);
+    }
+  }
+}
+
+std::uint64_t hash_bits(const std::array<std::uint32_t, 3>& bits) {
+  std::uint64_t hash = 0;
+  for (const std::uint32_t word : bits) hash = (hash ^ word) * 0x9e3779b97f4a7c15u;
+  return hash ^ (hash >> 32);
+}
+
+/// Merges vertices of equal bits, in order of first appearance. Open addressing, half full at most.
+void merge_vertices(TriangleMesh& mesh) {
+  constexpr std::uint32_t kEmpty = std::numeric_limits<std::uint32_t>::max();
+  std::size_t slots = 16;
+  while (slots < 2 * mesh.vertex_count()) slots *= 2;
+  std::vector<std::uint32_t> table(slots, kEmpty), merged(mesh.vertex_count());
+  std::vector<float> vertices;
+  for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
+    std::array<std::uint32_t, 3> bits;
+    std::memcpy(bits.data(), &mesh.vertices[3 * v], sizeof(bits));
+    std::size_t slot = hash_bits(bits) & (slots - 1);
+    while (table[slot] != kEmpty &&
+           std::memcmp(&vertices[3 * std::size_t{table[slot]}], bits.data(), sizeof(bits)) != 0) {
+      slot = (slot + 1) & (slots - 1);
+    }
+    if (table[slot] == kEmpty) {
+      table[slot] = static_cast<std::uint32_t>(vertices.size() / 3);
+      vertices.insert(vertices.end(), &mesh.vertices[3 * v], &mesh.vertices[3 * v] + 3);
+    }
+    merged[v] = table[slot];
+  }
+  mesh.vertices = std::move(vertices);
+  for (std::uint32_t& corner : mesh.triangles) corner = merged[corner];
+}
+
+void check_mesh(const std::string& path, const TriangleMesh& mesh) {
+  if (mesh.triangles.empty()) {
+    throw_bad_input(path, "it holds no triangles", "give a triangle surface");
+  }
+  const std::size_t count = mesh.vertex_count();
+  if (std::any_of(mesh.triangles.begin(), mesh.triangles.end(),
+                  [=](std::uint32_t corner) { return corner >= count; })) {
+    throw_bad_input(path, "a triangle's index is out of range", "write the surface again");
+  }
+  if (!std::all_of(mesh.vertices.begin(), mesh.vertices.end(),
+                   [](float value) { return std::isfinite(value); })) {
+    throw_bad_input(path, "a coordinate is not finite", "write the surface again");
+  }
+}
+
+}  // namespace
+
+TriangleMesh read_surface(const std::string& path) {
+  const Quiet quiet;
+  file_size(path);
+  const std::string ending = file_ending(path, {".vtp", ".stl", ".ply", ".obj", ".vtk"});
+  if (ending.empty()) {
+    throw_bad_input(path, "unknown format of a surface", "give .vtp, .stl, .ply, .obj or .vtk");
+  }
+  TriangleMesh mesh;
+  if (ending == ".obj") {
+    mesh = read_obj(path);
+  } else {
+    const vtkSmartPointer<vtkPolyData> data = read_poly_data(path, ending);
+    copy_vertices(path, *data, mesh);
+    append_fans(path, *data->GetPolys(), mesh);
+    append_strips(path, *data->GetStrips(), mesh);
+  }
+  check_mesh(path, mesh);
+  if (ending == ".stl") merge_vertices(mesh);
+  return mesh;
+}
+
+}  // namespace vasamesh

@@ -1,0 +1,71 @@
+#include "io/text_header.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cstdlib>
+#include <filesystem>
+#include <string_view>
+
+#include "io/byte_stream.h"
+#include "io/io_error.h"
+
+namespace vasamesh {
+namespace {
+
+constexpr std::size_t kMostHeaderBytes = std::size_t{1} << 20;
+
+std::string trimmed(std::string_view text) {
+  const char* blanks = " \t\r";
+  const std::size_t first = text.find_first_not_of(blanks);
+  if (first == std::string_view::npos) return {};
+  return std::string(text.substr(first, text.find_last_not_of(blanks) - first + 1));
+}
+
+}  // namespace
+
+std::string TextHeader::get(const std::string& key, const std::string& otherwise) const {
+  const auto field = fields.find(key);
+  return field == fields.end() ? otherwise : field->second;
+}
+
+std::string TextHeader::get_lower(const std::string& key, const std::string& otherwise) const {
+  std::string value = get(key, otherwise);
+  std::transform(value.begin(), value.end(), value.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return value;
+}
+
+std::vector<double> TextHeader::numbers(const std::string& key) const {
+  const std::string value = get(key);
+  std::vector<double> numbers;
+  const char* at = value.c_str();
+  for (char* next = nullptr;; at = next) {
+    const double number = std::strtod(at, &next);
+    if (next == at) return numbers;
+    numbers.push_back(number);
+  }
+}
+
+TextHeader read_text_header(const std::string& path, const std::string& separator,
+                            bool (*last)(const std::string& key, const std::string& line)) {
+  std::string text(kMostHeaderBytes, '\0');
+  text.resize(ByteStream(path, 0, Encoding::raw).read(text.data(), text.size()));
+  TextHeader header;
+  std::size_t begin = 0;
+  for (std::size_t end; (end = text.find('\n', begin)) != std::string::npos; begin = end + 1) {
+    const std::string line = trimmed(std::string_view(text).substr(begin, end - begin));
+    const std::size_t split = line.find(separator);
+    const bool has_key = split != std::string::npos;
+    const std::string key = has_key ? trimmed(line.substr(0, split)) : std::string();
+    if (has_key) header.fields[key] = trimmed(line.substr(split + separator.size()));
+    header.end = static_cast<std::int64_t>(end) + 1;
+    if (last(key, line)) return header;
+  }
+  throw_bad_input(path, "its header does not end", "get a whole copy of the file");
+}
+
+std::string beside(const std::string& header_path, const std::string& name) {
+  return (std::filesystem::path(header_path).parent_path() / name).string();
+}
+
+}  // namespace vasamesh

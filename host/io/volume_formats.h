@@ -1,0 +1,18 @@
+#pragma once
+
+/// \file
+/// The formats of volumes: each reads the header, through ITK and beside it, refuses what ITK
+/// would repair in silence, and says where the pixels are. No pixel is read here.
+
+#include <string>
+
+#include "io/pixel_source.h"
+
+namespace vasamesh {
+
+Volume open_nifti(const std::string& path);  ///< .nii, .nii.gz
+Volume open_meta(const std::string& path);   ///< .mha, .mhd
+Volume open_nrrd(const std::string& path);   ///< .nrrd
+Volume open_dicom_series(const std::string& folder);
+
+}  // namespace vasamesh
