@@ -13,7 +13,7 @@ namespace vasamesh {
 /// The corners at vertex v are corner[first[v]] .. corner[first[v + 1] - 1], ascending; corner
 /// 3 t + i is the i-th of triangle t.
 struct VertexCorners {
-  std::vector<std::uint32_t> first;   ///< vertices + 1 entries
+  std::vector<std::uint32_t> first;  ///< vertices + 1 entries
   std::vector<std::uint32_t> corner;
 };
 

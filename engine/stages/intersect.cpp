@@ -197,32 +197,6 @@ int match_corners(const std::uint32_t* p, const std::uint32_t* q, int (&a)[3], i
   return common;
 }
 
-/// Calls visit(leaf) for the leaf nodes from `first` on whose boxes meet `box`.
-template <class Visit>
-void for_each_leaf(const TriangleTree& tree, const Box& box, std::size_t first,
-                   const Visit& visit) {
-  struct Entry {
-    int level;
-    std::size_t node;
-  };
-  Entry stack[128];
-  int size = 0;
-  stack[size++] = {static_cast<int>(tree.levels.size()) - 1, 0};
-  while (size > 0) {
-    const Entry entry = stack[--size];
-    if (entry.level == 0) {
-      visit(entry.node);
-      continue;
-    }
-    for (unsigned hits = meeting(tree.levels[entry.level][entry.node], box); hits;
-         hits &= hits - 1) {
-      const std::size_t child = 8 * entry.node + std::countr_zero(hits);
-      const std::size_t last = ((child + 1) << 3 * (entry.level - 1)) - 1;
-      if (last >= first) stack[size++] = {entry.level - 1, child};
-    }
-  }
-}
-
 std::vector<TrianglePair> pairs_of_leaf(const TriangleMesh& mesh, const TriangleTree& tree,
                                         std::size_t leaf) {
   std::vector<TrianglePair> pairs;

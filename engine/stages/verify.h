@@ -20,8 +20,8 @@ struct SolidMatch {
   Space space = Space::lps;
 };
 
-/// Examines `mesh`. Shells are joined by shared vertices; genus and shell counts say something where
-/// edges and vertices are manifold. A shell inside an even number of others must face outward
+/// Examines `mesh`. Shells are joined by shared vertices; genus and shell counts say something
+/// where edges and vertices are manifold. A shell inside an even number of others must face outward
 /// (positive volume), inside an odd number inward. With `wanted`, each shell belongs to the piece
 /// nearest to it (most of its vertices, each to the nearest object voxel within two voxels); a
 /// piece matches when it has one outward shell, as many inward ones as cavities, and a genus sum

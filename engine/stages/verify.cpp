@@ -1,0 +1,168 @@
+#include "stages/verify.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "stages/intersect.h"
+#include "stages/manifold.h"
+#include "stages/predicates.h"
+#include "stages/shells.h"
+#include "vasamesh/errors.h"
+
+namespace vasamesh {
+
+namespace {
+
+constexpr std::size_t kChunk = 32768;  // triangles a task takes
+
+void require_indices(const TriangleMesh& mesh) {
+  if (mesh.vertices.size() % 3 != 0 || mesh.triangles.size() % 3 != 0)
+    throw Error(ErrorCode::bad_input,
+                "the surface is cut short: its numbers are not in threes; write it anew");
+  const std::uint32_t count = static_cast<std::uint32_t>(mesh.vertex_count());
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+    if (mesh.triangles[i] >= count)
+      throw Error(ErrorCode::bad_input, "triangle " + std::to_string(i / 3) + " names vertex " +
+                                            std::to_string(mesh.triangles[i]) + " of " +
+                                            std::to_string(count) + "; write the surface anew");
+}
+
+/// What a triangle can take part in.
+enum TriangleState : std::uint8_t {
+  kRepeated = 0,  // a vertex twice: in nothing
+  kUnusable = 1,  // not finite, or on a line: in the adjacency alone
+  kWhole = 2,
+};
+
+bool finite(const TriangleMesh& mesh, std::size_t v) {
+  const float* p = mesh.vertices.data() + 3 * v;
+  return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
+}
+
+TriangleState state_of(const TriangleMesh& mesh, std::size_t t, bool& degenerate) {
+  const std::uint32_t* v = mesh.triangles.data() + 3 * t;
+  degenerate = v[0] == v[1] || v[1] == v[2] || v[2] == v[0];
+  if (degenerate) return kRepeated;
+  if (!finite(mesh, v[0]) || !finite(mesh, v[1]) || !finite(mesh, v[2])) return kUnusable;
+  const auto at = [&](int i) { return mesh.vertices.data() + 3 * std::size_t{v[i]}; };
+  degenerate = collinear(at(0), at(1), at(2));
+  return degenerate ? kUnusable : kWhole;
+}
+
+/// States of all triangles; counts the degenerate ones.
+std::vector<std::uint8_t> triangle_states(Backend& backend, const TriangleMesh& mesh,
+                                          CheckReport& report) {
+  std::vector<std::uint8_t> states(mesh.triangle_count());
+  std::vector<std::int64_t> degenerate((states.size() + kChunk - 1) / kChunk, 0);
+  backend.run(degenerate.size(), [&](std::size_t chunk) {
+    for (std::size_t t = chunk * kChunk; t < std::min((chunk + 1) * kChunk, states.size()); ++t) {
+      bool is_degenerate = false;
+      states[t] = state_of(mesh, t, is_degenerate);
+      degenerate[chunk] += is_degenerate;
+    }
+  });
+  for (std::int64_t count : degenerate) report.degenerate_triangles += count;
+  return states;
+}
+
+std::vector<std::uint8_t> at_least(const std::vector<std::uint8_t>& states, TriangleState state) {
+  std::vector<std::uint8_t> chosen(states.size());
+  for (std::size_t t = 0; t < states.size(); ++t) chosen[t] = states[t] >= state;
+  return chosen;
+}
+
+void take(const ManifoldCounts& counts, CheckReport& report) {
+  report.open_edges = counts.open_edges;
+  report.nonmanifold_edges = counts.nonmanifold_edges;
+  report.misoriented_edges = counts.misoriented_edges;
+  report.nonmanifold_vertices = counts.nonmanifold_vertices;
+  report.isolated_vertices = counts.isolated_vertices;
+}
+
+void take(const Shells& shells, CheckReport& report) {
+  for (const Shell& shell : shells.shells) {
+    report.shell_genus.push_back(shell.genus());
+    report.topology.handles += shell.genus();
+    (shell.outward() ? report.topology.pieces : report.topology.cavities)++;
+    report.inverted_shells += shell.inverted();
+  }
+}
+
+/// Pieces that their shells do not match, and shells of no piece.
+std::int64_t count_mismatches(const Shells& shells, const std::vector<Piece>& pieces) {
+  std::vector<Topology> got(pieces.size());
+  std::int64_t mismatches = 0;
+  for (const Shell& shell : shells.shells) {
+    if (shell.piece == PieceLookup::kNone) {
+      ++mismatches;
+      continue;
+    }
+    Topology& piece = got[shell.piece];
+    (shell.outward() ? piece.pieces : piece.cavities)++;
+    piece.handles += shell.genus();
+  }
+  for (std::size_t p = 0; p < pieces.size(); ++p)
+    mismatches += got[p] != Topology{1, pieces[p].handles, pieces[p].cavities};
+  return mismatches;
+}
+
+std::string text(const Topology& t) {
+  return std::to_string(t.pieces) + "/" + std::to_string(t.handles) + "/" +
+         std::to_string(t.cavities);
+}
+
+std::string reason_of(const CheckReport& r) {
+  std::string reason;
+  const auto add = [&](std::int64_t count, const char* what) {
+    if (count == 0) return;
+    reason += (reason.empty() ? "" : ", ") + std::to_string(count) + " " + what;
+  };
+  if (r.triangles == 0) reason = "no triangles";
+  add(r.nonfinite_vertices, "vertices that are not finite");
+  add(r.open_edges, "open edges");
+  add(r.nonmanifold_edges, "edges of more than two triangles");
+  add(r.misoriented_edges, "edges between triangles of opposite orientation");
+  add(r.nonmanifold_vertices, "vertices of more than one fan");
+  add(r.isolated_vertices, "vertices of no triangle");
+  add(r.degenerate_triangles, "degenerate triangles");
+  add(r.inverted_shells, "shells facing the wrong way");
+  add(r.intersecting_pairs, "intersecting pairs of triangles");
+  add(r.mismatched_pieces, "pieces of another topology than the segmentation's");
+  if (r.has_wanted && r.topology != r.wanted)
+    reason += (reason.empty() ? "" : ", ") + ("pieces/handles/cavities " + text(r.topology)) +
+              " instead of " + text(r.wanted);
+  return reason;
+}
+
+}  // namespace
+
+CheckReport check_surface(Backend& backend, const TriangleMesh& mesh, const SolidMatch* wanted) {
+  require_indices(mesh);
+  CheckReport report;
+  report.vertices = static_cast<std::int64_t>(mesh.vertex_count());
+  report.triangles = static_cast<std::int64_t>(mesh.triangle_count());
+  for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
+    report.nonfinite_vertices += !finite(mesh, v);
+
+  const std::vector<std::uint8_t> states = triangle_states(backend, mesh, report);
+  const ManifoldCounts manifold = count_manifold(backend, mesh, vertex_corners(mesh));
+  take(manifold, report);
+
+  const TriangleTree tree = build_triangle_tree(backend, mesh, at_least(states, kWhole));
+  report.intersecting_pairs = find_intersections(backend, mesh, tree).count;
+
+  Shells shells = find_shells(mesh, at_least(states, kUnusable), manifold);
+  find_nesting(backend, mesh, tree, shells);
+  take(shells, report);
+  if (wanted) {
+    report.has_wanted = true;
+    report.wanted = wanted->solid->topology;
+    find_pieces(backend, mesh, *wanted, shells);
+    report.mismatched_pieces = count_mismatches(shells, wanted->solid->findings.pieces);
+  }
+  report.reason = reason_of(report);
+  report.passed = report.reason.empty();
+  return report;
+}
+
+}  // namespace vasamesh
