@@ -14,7 +14,7 @@ namespace vasamesh {
 
 /// Distances from one surface to another, in mm.
 struct OneWayDistance {
-  double mean = 0;     ///< over the area
+  double mean = 0;  ///< over the area
   double rms = 0;
   double maximum = 0;  ///< over samples and vertices
 };

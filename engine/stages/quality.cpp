@@ -1,0 +1,146 @@
+#include "stages/quality.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "stages/adjacency.h"
+
+namespace vasamesh {
+
+namespace {
+
+constexpr std::size_t kChunk = 32768;  // triangles or vertices a task takes
+
+std::size_t chunks(std::size_t count) { return (count + kChunk - 1) / kChunk; }
+
+struct Point {
+  double x, y, z;
+};
+Point operator-(const Point& a, const Point& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+double dot(const Point& a, const Point& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+Point cross(const Point& a, const Point& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+Point vertex(const TriangleMesh& mesh, std::uint32_t v) {
+  const float* p = mesh.vertices.data() + 3 * std::size_t{v};
+  return {p[0], p[1], p[2]};
+}
+
+struct Figures {
+  double shortest, longest, mean_edge, least_angle, area, volume;
+};
+
+Figures figures_of(const TriangleMesh& mesh, std::size_t triangle, const Point& origin) {
+  const std::uint32_t* t = mesh.triangles.data() + 3 * triangle;
+  const Point p[3] = {vertex(mesh, t[0]), vertex(mesh, t[1]), vertex(mesh, t[2])};
+  double edge[3];  // edge i lies across from corner i
+  for (int i = 0; i < 3; ++i) {
+    const Point e = p[(i + 2) % 3] - p[(i + 1) % 3];
+    edge[i] = std::sqrt(dot(e, e));
+  }
+  const int least = static_cast<int>(std::min_element(edge, edge + 3) - edge);
+  const Point a = p[(least + 1) % 3] - p[least], b = p[(least + 2) % 3] - p[least];
+  const Point normal = cross(a, b);
+  const double twice_area = std::sqrt(dot(normal, normal));
+  return {edge[least],
+          std::max({edge[0], edge[1], edge[2]}),
+          (edge[0] + edge[1] + edge[2]) / 3,
+          std::atan2(twice_area, dot(a, b)) * 180 / std::numbers::pi,
+          0.5 * twice_area,
+          dot(p[least] - origin, normal) / 6};
+}
+
+double fraction(std::size_t count, std::size_t of) {
+  return of == 0 ? 0 : static_cast<double>(count) / static_cast<double>(of);
+}
+
+/// Ratios, at least 1, of the mean edges of two triangles that share an edge, each edge once.
+std::vector<float> size_ratios(Backend& backend, const TriangleMesh& mesh,
+                               const std::vector<float>& mean_edge) {
+  const VertexCorners corners = vertex_corners(mesh);
+  std::vector<std::vector<float>> parts(chunks(mesh.vertex_count()));
+  backend.run(parts.size(), [&](std::size_t part) {
+    const std::size_t end = std::min((part + 1) * kChunk, mesh.vertex_count());
+    for (std::size_t v = part * kChunk; v < end; ++v) {
+      const std::uint32_t first = corners.first[v], last = corners.first[v + 1];
+      for (std::uint32_t i = first; i < last; ++i) {
+        const std::uint32_t c = corners.corner[i];
+        const std::uint32_t next = mesh.triangles[c / 3 * 3 + (c + 1) % 3];
+        if (next <= v) continue;
+        for (std::uint32_t j = first; j < last; ++j) {
+          const std::uint32_t d = corners.corner[j];
+          if (mesh.triangles[d / 3 * 3 + (d + 2) % 3] != next || c / 3 == d / 3) continue;
+          const float a = mean_edge[c / 3], b = mean_edge[d / 3];
+          parts[part].push_back(a == b ? 1 : std::max(a, b) / std::min(a, b));
+          break;
+        }
+      }
+    }
+  });
+  std::vector<float> ratios;
+  for (const auto& part : parts) ratios.insert(ratios.end(), part.begin(), part.end());
+  return ratios;
+}
+
+}  // namespace
+
+Distribution describe(std::vector<float>& values) {
+  if (values.empty()) return {};
+  const auto count = static_cast<double>(values.size());
+  double sum = 0, squares = 0;
+  for (float value : values) sum += value;
+  const double mean = sum / count;
+  for (float value : values) squares += (value - mean) * (value - mean);
+  const auto percentile = [&](double share) {
+    const auto rank = static_cast<std::ptrdiff_t>(std::max(1.0, std::ceil(share * count))) - 1;
+    std::nth_element(values.begin(), values.begin() + rank, values.end());
+    return static_cast<double>(values[rank]);
+  };
+  Distribution result;
+  result.mean = mean;
+  result.deviation = std::sqrt(squares / count);
+  result.minimum = *std::min_element(values.begin(), values.end());
+  result.percentile_5 = percentile(0.05);
+  result.median = percentile(0.5);
+  result.percentile_95 = percentile(0.95);
+  result.maximum = *std::max_element(values.begin(), values.end());
+  return result;
+}
+
+QualityReport measure_quality(Backend& backend, const TriangleMesh& mesh) {
+  const std::size_t count = mesh.triangle_count();
+  QualityReport report;
+  if (count == 0) return report;
+  std::vector<float> ratio(count), angle(count), mean_edge(count);
+  std::vector<double> area(chunks(count), 0), volume(chunks(count), 0);
+  const Point origin = vertex(mesh, mesh.triangles[0]);
+  backend.run(chunks(count), [&](std::size_t chunk) {
+    for (std::size_t t = chunk * kChunk; t < std::min((chunk + 1) * kChunk, count); ++t) {
+      const Figures f = figures_of(mesh, t, origin);
+      ratio[t] = f.longest > 0 ? static_cast<float>(f.shortest / f.longest) : 0.0f;
+      angle[t] = static_cast<float>(f.least_angle);
+      mean_edge[t] = static_cast<float>(f.mean_edge);
+      area[chunk] += f.area;
+      volume[chunk] += f.volume;
+    }
+  });
+  for (double part : area) report.area += part;
+  for (double part : volume) report.volume += part;
+  const auto share = [&](auto&& condition) {
+    return fraction(std::count_if(ratio.begin(), ratio.end(), condition), count);
+  };
+  report.edge_ratio_above_08 = share([](float tau) { return tau >= 0.8f; });
+  report.edge_ratio_below_03 = share([](float tau) { return tau < 0.3f; });
+  report.edge_ratio_below_01 = share([](float tau) { return tau < 0.1f; });
+  std::vector<float> ratios = size_ratios(backend, mesh, mean_edge);
+  backend.run(3, [&](std::size_t figure) {
+    if (figure == 0) report.edge_ratio = describe(ratio);
+    if (figure == 1) report.least_angle = describe(angle);
+    if (figure == 2) report.size_ratio = describe(ratios);
+  });
+  return report;
+}
+
+}  // namespace vasamesh
