@@ -161,7 +161,8 @@ void Growth::offer(int node, Target& target) const {
   const double cosine = wire.dot(before) / std::max(1e-9, length * before.norm());
   const double cost =
       length * (1 + plan_.turning * (1 - cosine)) + plan_.balance * (from.way + length);
-  const bool is_bare = from.least_radius > plan_.bare_radius && from.children > 0;
+  const bool is_bare = from.children > 0 && (from.least_radius > plan_.bare_radius ||
+                                             !plan_.room.contains(from.position));
   if (is_bare || from.children >= kMostChildren || cost >= target.cost) return;
   target.cost = cost;
   target.node = node;

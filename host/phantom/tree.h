@@ -29,6 +29,7 @@ struct TreePlan {
   std::uint64_t seed = 1;
   std::vector<Vessel> trunks;  ///< given vessels, from their roots on; a radius is a least one
   std::vector<TargetRegion> regions;
+  Eigen::AlignedBox3d room;    ///< trunks branch only in it; the regions should lie in it
   double step = 1.5;           ///< distance of a spline's knots, mm
   double balance = 0.15;       ///< weight of the way from the trunk against new wire
   double turning = 0.4;        ///< weight of turning away from the vessel's direction
@@ -38,6 +39,9 @@ struct TreePlan {
   double bending = 3;          ///< amplitude of the smooth deformation of space, mm
   double bending_length = 40;  ///< its wavelength, mm
 };
+
+/// No point is moved farther along an axis than this times TreePlan::bending.
+inline constexpr double kLargestBend = 2.2;
 
 /// The vessels of a grown tree, trunks first, as smooth curves of short pieces. A vessel starts at
 /// a point of an earlier one. The same for the same plan.

@@ -22,7 +22,14 @@ Lattice centred_lattice(const Index3& size, const Vec3& spacing) {
   return lattice;
 }
 
-Recipe tree_recipe_of(const TreePlan& plan, const Lattice& lattice) {
+/// Where a vessel that thick stays inside the lattice, however it is bent.
+Vec3 half_room(const TreePlan& plan, const Lattice& lattice, double radius) {
+  return -lattice.start - Vec3::Constant(kLargestBend * plan.bending + radius);
+}
+
+Recipe tree_recipe_of(TreePlan plan, const Lattice& lattice) {
+  const Vec3 half = half_room(plan, lattice, 0);
+  plan.room = {-half, half};
   Recipe recipe;
   recipe.lattice = lattice;
   recipe.exact_step = kTreeStep;
@@ -74,9 +81,9 @@ Recipe tree_recipe(const PhantomOptions& options) {
   plan.step = 2 * v;
   plan.tip_radius = ruler.radius;
   plan.end_radius = 0.6 * ruler.radius;
-  plan.bending = 2 * v;
+  plan.bending = 1.6 * v;
   plan.bending_length = 30 * v;
-  const Vec3 half = -lattice.start - Vec3::Constant(4 * v + ruler.radius);
+  const Vec3 half = half_room(plan, lattice, ruler.radius + v);
   const bool cut = random.below(2) == 1;  // whether the root is cut by the border
   const double root = lattice.start[2] - (cut ? 3 * v : -5 * v);
   plan.trunks = {trunk({{0, 0, root}, {0, 0, -0.6 * half[2]}}, ruler.radius, ruler.radius)};
@@ -88,7 +95,7 @@ Recipe cerebral_recipe(const PhantomOptions& options) {
   const Lattice lattice = centred_lattice({512, 512, 170}, {0.51, 0.51, 0.80});
   TreePlan plan;
   plan.seed = options.seed;
-  plan.tip_radius = 0.5;
+  plan.tip_radius = 0.52;
   plan.bare_radius = 2;
   plan.end_radius = 0.3;
   // Two carotid arteries and the basilar artery, cut by the lower border, and the circle of Willis.
@@ -100,7 +107,7 @@ Recipe cerebral_recipe(const PhantomOptions& options) {
                  trunk({left, {8, -20, -38}, front}, 1.6, 1.2),
                  trunk({right, {-12, 6, -43}, back}, 1.0, 1.4),
                  trunk({left, {12, 6, -43}, back}, 1.0, 1.4)};
-  plan.regions = {{{0, 0, -2}, {96, 106, 60}, 0.35, 80}};
+  plan.regions = {{{0, 0, -1}, {96, 106, 59}, 0.35, 66}};
   Recipe recipe = tree_recipe_of(plan, lattice);
   add_aneurysm(recipe, right, {-0.6, -0.7, 0.4}, 4);
   return recipe;
@@ -112,9 +119,10 @@ Recipe liver_recipe(const PhantomOptions& options) {
   plan.seed = options.seed;
   plan.tip_radius = 0.7;
   plan.end_radius = 0.4;
+  plan.bare_radius = 4.8;
   plan.step = 2;
-  plan.trunks = {trunk({{70, -20, -80}, {66, -10, -50}, {50, 0, -20}, {25, 5, 0}}, 5, 5)};
-  plan.regions = {{{-10, 0, 0}, {145, 130, 60}, 0, 180}};
+  plan.trunks = {trunk({{70, -20, -80}, {66, -10, -50}, {50, 0, -20}, {25, 5, 0}}, 6.5, 4.5)};
+  plan.regions = {{{-10, 0, 0}, {145, 130, 60}, 0, 125}};
   return tree_recipe_of(plan, lattice);
 }
 
