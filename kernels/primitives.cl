@@ -2,6 +2,12 @@
 /// Sums and scans over flat arrays (fills are the runtime's own). Contracts and order of
 /// arithmetic: engine/backend/backend.h.
 
+/// values[i] = a * b + c of the i-th three factors, for host/opencl/arithmetic.cpp.
+kernel void primitives_probe(global const float *factors, global float *values) {
+  const size_t i = get_global_id(0);
+  values[i] = factors[3 * i] * factors[3 * i + 1] + factors[3 * i + 2];
+}
+
 /// First fold of the pairwise sum: sums[i] = values[i] + values[i + half] for i < half, values past
 /// `count` being zero. A work-item a sum.
 kernel __attribute__((reqd_work_group_size(FOLD_ITEMS, 1, 1))) void primitives_reduce_first(

@@ -19,7 +19,7 @@ struct Level {
   explicit Level(Backend& on)
       : backend(on),
         bricks(make_bricks(on, shell_bricks(kShellRadius))),
-        unknown(to_backend(on, random_mask(cells(), 1))),
+        unknown(to_backend(on, std::vector<std::uint8_t>(cells(), 1))),
         p(to_backend(on, random_floats(cells(), 2))),
         q(to_backend(on, random_floats(cells(), 3))),
         x(to_backend(on, random_floats(cells(), 4))),

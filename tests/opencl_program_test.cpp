@@ -12,6 +12,7 @@
 #include <thread>
 #include <vector>
 
+#include "opencl/arithmetic.h"
 #include "opencl/backend.h"
 #include "opencl/opencl_backend.h"
 #include "opencl/program.h"
@@ -139,6 +140,22 @@ TEST_F(OpenClPrograms, FolderThatCannotBeMadeCostsNoError) {
   const TemporaryFolder folder("no_folder");
   std::ofstream(folder.path()) << "a file where the folder should be";
   EXPECT_NO_THROW(programs(folder.path() / "cache").kernel("poisson_apply"));
+}
+
+TEST_F(OpenClPrograms, ProbeTellsContractionApart) {
+  const TemporaryFolder folder("probe");
+  const cl::CommandQueue queue(context_, device_);
+  Programs as_built = programs(folder.path());
+  EXPECT_TRUE(arithmetic_as_specified(context_, queue, as_built));
+  const KernelSource sources[] = {
+      {"common.cl", ""},
+      {"primitives.cl",
+       "kernel void primitives_probe(global const float *f, global float *v) {\n"
+       "  const size_t i = get_global_id(0);\n"
+       "  v[i] = fma(f[3 * i], f[3 * i + 1], f[3 * i + 2]);\n"
+       "}\n"}};
+  Programs fused = programs(folder.path(), sources);
+  EXPECT_FALSE(arithmetic_as_specified(context_, queue, fused));
 }
 
 TEST(ProgramCache, GivesBackWhatWasStored) {

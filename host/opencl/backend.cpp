@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "opencl/arithmetic.h"
 #include "opencl/opencl_backend.h"
 #include "vasamesh/errors.h"
 
@@ -61,6 +62,11 @@ OpenClBackend::OpenClBackend(cl::Device device, const WorkShape& shape, ProgramC
                                           ": choose another (see vasamesh devices), or use "
                                           "--backend tbb");
   programs_.emplace(context_, device_, shape_, std::move(cache));
+  if (!arithmetic_as_specified(context_, queue_, *programs_))
+    throw Error(ErrorCode::no_device,
+                "OpenCL device " + device_name_ +
+                    " contracts products or drops sub-normal numbers, so that its surfaces would "
+                    "differ from other devices': choose another, or use --backend tbb");
 }
 
 void* OpenClBackend::allocate(std::size_t bytes) {

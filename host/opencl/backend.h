@@ -33,7 +33,8 @@ struct OpenClOptions {
 std::vector<DeviceInfo> list_opencl_devices();
 
 /// Opens a device. Its passes may be called from one thread at a time.
-/// \throws Error no_device: no such device, or it cannot be opened.
+/// \throws Error no_device: no such device, it cannot be opened, or it does not compute as the
+///         backend contract says.
 std::shared_ptr<Backend> make_opencl_backend(const OpenClOptions& options);
 
 }  // namespace vasamesh
