@@ -2,7 +2,7 @@
 
 /// \file
 /// Segmentations in and out of files: NIfTI (.nii, .nii.gz), MetaImage (.mha, .mhd), NRRD (.nrrd,
-/// .seg.nrrd) and a folder that holds one DICOM series. ITK reads the headers and the DICOM files;
+/// .seg.nrrd) and a folder that holds one DICOM series. ITK reads and writes;
 /// voxels are streamed once, to the checksum of a compressed file, and selected as they come.
 
 #include <cstdint>
