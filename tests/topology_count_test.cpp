@@ -10,13 +10,14 @@
 #include "support/dense_volume.h"
 #include "tbb/backend.h"
 
-namespace vasamesh::test {
+namespace vasamesh {
 
 /// Tells the numbers in a failure.
 void PrintTo(const Topology& t, std::ostream* out) {
   *out << t.pieces << " pieces, " << t.handles << " handles, " << t.cavities << " cavities";
 }
 
+namespace test {
 namespace {
 
 constexpr int kConnectivities[] = {26, 18, 6};
@@ -200,4 +201,5 @@ TEST_F(TopologyCount, SameForAnyNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace vasamesh::test
+}  // namespace test
+}  // namespace vasamesh
