@@ -25,7 +25,7 @@
 namespace vasamesh {
 namespace {
 
-constexpr int kBlockCells = 32;
+constexpr int kBlockCells = 12;
 constexpr int kNewtonSteps = 4;
 
 /// Triangles in lattice units, with doubled vertices where blocks meet.
