@@ -101,13 +101,16 @@ class Backend : public Memory {
 
   // --- Normals (engine/stages/normals.h). ------------------------------------------------------
 
-  /// Outward unit gradient of the occupancy smoothed by a Gaussian of `sigma` voxel lengths; where
-  /// it vanishes, the area vector's direction.
+  /// Outward unit gradient of the occupancy smoothed by a Gaussian of `sigma` voxel lengths
+  /// (make_gradient_table); where it vanishes or points against the point's faces, that of half the
+  /// sigma; and where that does so too, the area vector's direction.
   virtual void normals_gradient(const BitView& object, const PointView& points, const Scale& scale,
                                 float sigma, std::array<View<float>, 3> normals) = 0;
 
-  /// Outward unit eigenvector of the smallest eigenvalue of the covariance of the k nearest
-  /// neighbours whose `gradient` agrees with the point's own, oriented by that gradient.
+  /// Outward unit eigenvector of the smallest eigenvalue of the covariance of the point's own voxel
+  /// and its k nearest neighbours, oriented by the point's gradient; that gradient where they tell
+  /// no plane. A neighbour is a voxel's samples whose gradient agrees with the point's, at their
+  /// mean; ties by the index of its first sample. k is 3 to 64.
   virtual void normals_covariance(const PointView& points, const BrickView& bricks,
                                   View<const std::uint32_t> voxel_start, const Scale& scale, int k,
                                   std::array<View<const float>, 3> gradients,

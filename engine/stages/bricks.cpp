@@ -28,15 +28,15 @@ struct RowTable {
     return static_cast<std::size_t>(z - z_min) * y_count + (y - y_min);
   }
 
-  /// Writes the indices of the bricks at x - 1, x and x + 1 of a row.
-  void find_three(int x, int y, int z, std::int32_t* out) const {
-    out[0] = out[1] = out[2] = kNoBrick;
+  /// Writes the indices of the `count` bricks from x on in a row.
+  void find_run(int x, int y, int z, int count, std::int32_t* out) const {
+    std::fill_n(out, count, kNoBrick);
     if (y < y_min || y >= y_min + y_count || z < z_min || z >= z_min + z_count) return;
-    const auto end = coords.begin() + start[row(y, z) + 1];
-    auto it = std::lower_bound(coords.begin() + start[row(y, z)], end, x - 1,
-                               [](const BrickCoord& c, int value) { return c.x < value; });
-    for (; it != end && it->x <= x + 1; ++it)
-      out[it->x - x + 1] = static_cast<std::int32_t>(it - coords.begin());
+    const auto end = coords.begin() + static_cast<std::ptrdiff_t>(start[row(y, z) + 1]);
+    auto it = std::lower_bound(coords.begin() + static_cast<std::ptrdiff_t>(start[row(y, z)]), end,
+                               x, [](const BrickCoord& c, int value) { return c.x < value; });
+    for (; it != end && it->x < x + count; ++it)
+      out[it->x - x] = static_cast<std::int32_t>(it - coords.begin());
   }
 
   std::span<const BrickCoord> coords;
@@ -55,20 +55,38 @@ void sort_unique(std::vector<BrickCoord>& coords) {
   coords.erase(std::unique(coords.begin(), coords.end()), coords.end());
 }
 
+Buffer<std::int32_t> brick_windows(Backend& backend, std::span<const BrickCoord> corners, int side,
+                                   std::span<const BrickCoord> bricks) {
+  const RowTable rows(bricks);
+  const auto volume = static_cast<std::size_t>(side * side * side);
+  std::vector<std::int32_t> table(volume * corners.size());
+  constexpr std::size_t kBlock = 256;
+  backend.run((corners.size() + kBlock - 1) / kBlock, [&](std::size_t block) {
+    const std::size_t end = std::min((block + 1) * kBlock, corners.size());
+    for (std::size_t i = block * kBlock; i < end; ++i)
+      for (int z = 0; z < side; ++z)
+        for (int y = 0; y < side; ++y)
+          rows.find_run(corners[i].x, corners[i].y + y, corners[i].z + z, side,
+                        &table[volume * i + static_cast<std::size_t>(side * (y + side * z))]);
+  });
+  Buffer<std::int32_t> windows(backend, table.size());
+  backend.upload<std::int32_t>(windows.view(), table);
+  return windows;
+}
+
+Buffer<std::int32_t> neighbours_in(Backend& backend, std::span<const BrickCoord> coords,
+                                   std::span<const BrickCoord> bricks) {
+  std::vector<BrickCoord> corners(coords.begin(), coords.end());
+  for (BrickCoord& c : corners) c = {c.x - 1, c.y - 1, c.z - 1};
+  return brick_windows(backend, corners, 3, bricks);
+}
+
 Bricks make_bricks(Backend& backend, std::span<const BrickCoord> coords) {
-  const RowTable rows(coords);
-  std::vector<std::int32_t> neighbours(27 * coords.size());
-  for (std::size_t i = 0; i < coords.size(); ++i)
-    for (int dz = -1; dz <= 1; ++dz)
-      for (int dy = -1; dy <= 1; ++dy)
-        rows.find_three(coords[i].x, coords[i].y + dy, coords[i].z + dz,
-                        &neighbours[27 * i + brick_neighbour(-1, dy, dz)]);
   Bricks bricks;
   bricks.count = coords.size();
   bricks.coords = Buffer<BrickCoord>(backend, coords.size());
-  bricks.neighbours = Buffer<std::int32_t>(backend, neighbours.size());
+  bricks.neighbours = neighbours_in(backend, coords, coords);
   backend.upload(bricks.coords.view(), coords);
-  backend.upload<std::int32_t>(bricks.neighbours.view(), neighbours);
   return bricks;
 }
 
@@ -89,8 +107,8 @@ std::vector<BrickCoord> dilate_by_octants(std::span<const BrickCoord> coords,
     }
     for (int n = 0; n < 27; ++n)
       if (reached >> n & 1)
-        dilated.push_back({coords[i].x + n % 3 - 1, coords[i].y + n / 3 % 3 - 1,
-                           coords[i].z + n / 9 - 1});
+        dilated.push_back(
+            {coords[i].x + n % 3 - 1, coords[i].y + n / 3 % 3 - 1, coords[i].z + n / 9 - 1});
   }
   sort_unique(dilated);
   return dilated;

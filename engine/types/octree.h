@@ -10,6 +10,7 @@
 
 #include "backend/buffer.h"
 #include "types/bricks.h"
+#include "types/point_cloud.h"
 
 namespace vasamesh {
 
@@ -23,10 +24,12 @@ struct LevelView {
 };
 
 struct OctreeLevel {
-  int depth = 0;     ///< 0 is the root
   int exponent = 0;  ///< cell side = 2^exponent voxels
   std::array<float, 3> weights{1, 1, 1};
+  std::vector<BrickCoord> coords;  ///< the bricks' coordinates, for the host
   Bricks bricks;
+  Buffer<std::int32_t> parents;   ///< a brick: 27 bricks of the next coarser level round its
+                                  ///< parent; empty at the root
   Buffer<std::uint8_t> unknown;   ///< a cell: 1 is solved for, 0 keeps the coarser level's value
   Buffer<float> right_hand_side;  ///< a cell: -volume * divergence of the splatted field
   Buffer<float> solution;         ///< a cell: coefficient of the quadratic B-spline
@@ -34,9 +37,22 @@ struct OctreeLevel {
   LevelView view() const { return {exponent, bricks.view(), weights}; }
 };
 
-/// Levels from the root to the finest.
+/// Levels from the root (at most 3 x 3 x 3 bricks, from -1 to 1) to the finest: the regular one (exponent 0) and, where
+/// vessels are thin, the refined one (exponent -1).
 struct Octree {
   std::vector<OctreeLevel> levels;
+
+  int root_exponent() const { return levels.front().exponent; }
+  OctreeLevel& at_exponent(int exponent) {
+    return levels[static_cast<std::size_t>(root_exponent() - exponent)];
+  }
+  const OctreeLevel& at_exponent(int exponent) const {
+    return levels[static_cast<std::size_t>(root_exponent() - exponent)];
+  }
+  bool has_refined() const { return levels.back().exponent < 0; }
+
+  /// Depth of a level: 4 at the root, whose bricks about the volume are two wide, 2^4 cells.
+  int depth(const OctreeLevel& level) const { return 4 + root_exponent() - level.exponent; }
 };
 
 }  // namespace vasamesh

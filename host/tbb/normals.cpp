@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <span>
 #include <vector>
 
 #include "stages/gradient_table.h"
@@ -31,7 +33,8 @@ void store(const std::array<View<float>, 3>& views, std::size_t i, const Vec& v)
 
 // --- Gradient. ---------------------------------------------------------------------------------
 
-constexpr std::size_t kPointGrain = 512;
+constexpr std::size_t kPointGrain = 512;  // points a task takes
+constexpr std::size_t kBrickGrain = 8;    // bricks a task takes
 
 /// Bits first .. first + span - 1 of a row; in the row or its padding. \pre span <= 16.
 unsigned row_bits(const std::uint64_t* row, int first, int span) {
@@ -68,161 +71,184 @@ Vec occupancy_gradient(const BitView& object, const GradientTable& table, const 
   return sum;
 }
 
+/// Unit vector out of the object; \see Backend::normals_gradient.
+Vec outward_gradient(const BitView& object, const GradientTable& wide, const GradientTable& narrow,
+                     const Vec& position, const Vec& area) {
+  const float area_square = dot(area, area);
+  for (const GradientTable* table : {&wide, &narrow}) {
+    const Vec inward = occupancy_gradient(object, *table, position);
+    const float square = dot(inward, inward);
+    if (square < kNoGradient) continue;
+    const float length = std::sqrt(square);
+    const float against = dot(inward, area) / length;
+    if (against < 0.0f || against * against < kAgainstFaces * area_square)
+      return divided(inward, -length);
+  }
+  return divided(area, std::sqrt(area_square));
+}
+
 // --- Covariance. -------------------------------------------------------------------------------
 
 constexpr int kReach = kNeighbourReach;
 constexpr int kSpan = kBrickSide + 2 * kReach;
-constexpr int kMaxNeighbours = 64;
+constexpr int kMaxNeighbours = 64 + 1;  // with the point's own voxel
 
 /// The points of a brick and of the voxels round it, copied together, row after row of voxels.
 class Neighbourhood {
  public:
-  std::vector<float> position[3], gradient[3];
-  std::vector<std::uint32_t> index;
+  struct Sample {
+    Vec position, gradient;
+    std::uint32_t index;  // in the point cloud
+    std::uint32_t cell;   // its voxel here
+  };
 
   void gather(const PointView& points, const BrickView& bricks,
-              View<const std::uint32_t> voxel_start, std::array<View<const float>, 3> gradients,
-              std::size_t brick) {
-    index.clear();
+              View<const std::uint32_t> voxel_start,
+              const std::array<View<const float>, 3>& gradients, std::size_t brick) {
+    samples_.clear();
     const std::int32_t* near = bricks.neighbours.data() + 27 * brick;
-    std::size_t cell = 0;
+    std::uint32_t cell = 0;
     for (int z = -kReach; z < kBrickSide + kReach; ++z)
       for (int y = -kReach; y < kBrickSide + kReach; ++y)
-        for (int x = -kReach; x < kBrickSide + kReach; ++x)
-          append(near, voxel_start, x, y, z, cell++);
-    start_[cell] = static_cast<std::uint32_t>(index.size());
-    for (int axis = 0; axis < 3; ++axis) {
-      position[axis].resize(index.size());
-      gradient[axis].resize(index.size());
-      for (std::size_t i = 0; i < index.size(); ++i) {
-        position[axis][i] = points.position[axis][index[i]];
-        gradient[axis][i] = gradients[axis][index[i]];
-      }
-    }
+        for (int x = -kReach; x < kBrickSide + kReach; ++x, ++cell) {
+          start_[cell] = static_cast<std::uint32_t>(samples_.size());
+          const std::int32_t b = near[brick_neighbour(x >> 3, y >> 3, z >> 3)];
+          if (b == kNoBrick) continue;
+          const std::size_t voxel = std::size_t{kBrickCells} * b + brick_cell(x & 7, y & 7, z & 7);
+          for (std::uint32_t i = voxel_start[voxel]; i < voxel_start[voxel + 1]; ++i)
+            samples_.push_back({load(points.position, i), load(gradients, i), i, cell});
+        }
+    start_[cell] = static_cast<std::uint32_t>(samples_.size());
   }
 
-  /// The points of voxels (x0 .. x1, y, z), as a range of the arrays; brick coordinates.
-  std::uint32_t begin(int x0, int y, int z) const { return start_[cell_of(x0, y, z)]; }
-  std::uint32_t end(int x1, int y, int z) const { return start_[cell_of(x1, y, z) + 1]; }
+  /// The samples of voxels (x0 .. x1, y, z), brick coordinates.
+  std::span<const Sample> row(int x0, int x1, int y, int z) const {
+    const int first = kSpan * (y + kReach + kSpan * (z + kReach)) + kReach;
+    const std::uint32_t begin = start_[first + x0], end = start_[first + x1 + 1];
+    return {samples_.data() + begin, end - begin};
+  }
 
  private:
-  static std::size_t cell_of(int x, int y, int z) {
-    return static_cast<std::size_t>(x + kReach + kSpan * (y + kReach + kSpan * (z + kReach)));
-  }
-
-  void append(const std::int32_t* near, View<const std::uint32_t> voxel_start, int x, int y, int z,
-              std::size_t cell) {
-    start_[cell] = static_cast<std::uint32_t>(index.size());
-    const std::int32_t b = near[brick_neighbour(x >> 3, y >> 3, z >> 3)];
-    if (b == kNoBrick) return;
-    const std::size_t voxel = std::size_t{kBrickCells} * b + brick_cell(x & 7, y & 7, z & 7);
-    for (std::uint32_t i = voxel_start[voxel]; i < voxel_start[voxel + 1]; ++i) index.push_back(i);
-  }
-
+  std::vector<Sample> samples_;
   std::uint32_t start_[kSpan * kSpan * kSpan + 1];
 };
 
-/// The nearest points so far, by distance, then index.
+/// A neighbour: the samples of one voxel that agree with the point, at their mean.
+struct Neighbour {
+  float distance;       // squared
+  std::uint32_t index;  // of its first sample: breaks ties
+  Vec offset;           // from the point, in voxel lengths
+
+  bool before(const Neighbour& other) const {
+    return distance < other.distance || (distance == other.distance && index < other.index);
+  }
+};
+
+/// The nearest neighbours so far, in order.
 class NearestList {
  public:
   explicit NearestList(int capacity) : capacity_(capacity) {}
 
   void clear() { count_ = 0; }
-  int count() const { return count_; }
   bool full() const { return count_ == capacity_; }
-  float farthest() const { return entries_[count_ - 1].distance; }
-  std::uint32_t place(int i) const { return entries_[i].place; }
+  std::span<const Neighbour> entries() const {
+    return {entries_, static_cast<std::size_t>(count_)};
+  }
 
-  void offer(float distance, std::uint32_t index, std::uint32_t place) {
-    const auto before = [&](const Entry& e) {
-      return distance < e.distance || (distance == e.distance && index < e.index);
-    };
-    if (full() && !before(entries_[count_ - 1])) return;
+  void offer(const Neighbour& candidate) {
+    if (full() && !candidate.before(entries_[count_ - 1])) return;
     int i = full() ? count_ - 1 : count_++;
-    for (; i > 0 && before(entries_[i - 1]); --i) entries_[i] = entries_[i - 1];
-    entries_[i] = {distance, index, place};
+    for (; i > 0 && candidate.before(entries_[i - 1]); --i) entries_[i] = entries_[i - 1];
+    entries_[i] = candidate;
   }
 
  private:
-  struct Entry {
-    float distance;
-    std::uint32_t index, place;
-  };
   int capacity_, count_ = 0;
-  Entry entries_[kMaxNeighbours];
+  Neighbour entries_[kMaxNeighbours];
 };
 
-/// One point whose neighbours are sought; voxel in brick coordinates.
+/// One point whose neighbours are sought.
 struct Query {
   Vec position, gradient;
-  std::array<int, 3> voxel;
-  std::array<int, 3> brick_corner;
+  std::array<int, 3> voxel;   // in the brick
+  std::array<int, 3> corner;  // of the brick, in voxels
 };
 
 /// The square of the distance within which a search of `reach` voxels sees every point.
 float covered(const Query& query, const Scale& scale, int reach) {
   float least = 0;
   for (int axis = 0; axis < 3; ++axis) {
-    const int voxel = query.brick_corner[axis] + query.voxel[axis];
+    const int voxel = query.corner[axis] + query.voxel[axis];
     const float below = query.position[axis] - static_cast<float>(voxel - reach);
     const float above = static_cast<float>(voxel + reach + 1) - query.position[axis];
-    const float axis_least = std::min(below, above) * scale[axis];
-    least = axis == 0 ? axis_least : std::min(least, axis_least);
+    const float nearer = std::min(below, above) * scale[axis];
+    least = axis == 0 ? nearer : std::min(least, nearer);
   }
   return least * least;
 }
 
-void search(const Neighbourhood& near, const Query& query, const Scale& scale, int reach,
-            NearestList& nearest) {
-  const auto [x, y, z] = query.voxel;
-  for (int dz = -reach; dz <= reach; ++dz)
-    for (int dy = -reach; dy <= reach; ++dy) {
-      const std::uint32_t end = near.end(x + reach, y + dy, z + dz);
-      for (std::uint32_t i = near.begin(x - reach, y + dy, z + dz); i < end; ++i) {
-        Vec offset, gradient;
-        for (int axis = 0; axis < 3; ++axis) {
-          offset[axis] = (near.position[axis][i] - query.position[axis]) * scale[axis];
-          gradient[axis] = near.gradient[axis][i];
-        }
-        if (dot(gradient, query.gradient) > kSameSheet)
-          nearest.offer(dot(offset, offset), near.index[i], i);
-      }
+/// Offers the neighbours among a row of samples, voxel by voxel.
+void offer_row(std::span<const Neighbourhood::Sample> row, const Query& query, const Scale& scale,
+               NearestList& nearest) {
+  for (std::size_t i = 0; i < row.size();) {
+    const std::uint32_t cell = row[i].cell;
+    Neighbour neighbour{0, row[i].index, {0, 0, 0}};
+    int agreeing = 0;
+    for (; i < row.size() && row[i].cell == cell; ++i) {
+      if (!(dot(row[i].gradient, query.gradient) > kSameSheet)) continue;
+      for (int axis = 0; axis < 3; ++axis)
+        neighbour.offset[axis] += row[i].position[axis] - query.position[axis];
+      ++agreeing;
     }
+    if (agreeing == 0) continue;
+    for (int axis = 0; axis < 3; ++axis)
+      neighbour.offset[axis] =
+          (neighbour.offset[axis] / static_cast<float>(agreeing)) * scale[axis];
+    neighbour.distance = dot(neighbour.offset, neighbour.offset);
+    nearest.offer(neighbour);
+  }
 }
 
 void find_neighbours(const Neighbourhood& near, const Query& query, const Scale& scale,
                      NearestList& nearest) {
-  for (int reach = 1; reach <= kReach; ++reach) {
+  const auto [x, y, z] = query.voxel;
+  for (int reach = kReach - 1; reach <= kReach; ++reach) {
     nearest.clear();
-    search(near, query, scale, reach, nearest);
-    if (nearest.full() && nearest.farthest() < covered(query, scale, reach)) return;
+    for (int dz = -reach; dz <= reach; ++dz)
+      for (int dy = -reach; dy <= reach; ++dy)
+        offer_row(near.row(x - reach, x + reach, y + dy, z + dz), query, scale, nearest);
+    if (nearest.full() && nearest.entries().back().distance < covered(query, scale, reach)) return;
   }
 }
 
-/// The plane's normal through the neighbours, or the gradient where they tell no plane.
-Vec plane_normal(const Neighbourhood& near, const Query& query, const Scale& scale,
-                 const NearestList& nearest) {
-  const int count = nearest.count();
-  if (count < 3) return query.gradient;
-  Vec offsets[kMaxNeighbours], mean{0, 0, 0};
-  for (int i = 0; i < count; ++i)
-    for (int axis = 0; axis < 3; ++axis) {
-      offsets[i][axis] =
-          (near.position[axis][nearest.place(i)] - query.position[axis]) * scale[axis];
-      mean[axis] += offsets[i][axis];
-    }
-  mean = divided(mean, static_cast<float>(count));
+/// Eigenvectors of the neighbours' covariance (eq. 1, times k).
+Eigen3 covariance_axes(std::span<const Neighbour> neighbours) {
+  Vec mean{0, 0, 0};
+  for (const Neighbour& n : neighbours)
+    for (int axis = 0; axis < 3; ++axis) mean[axis] += n.offset[axis];
+  mean = divided(mean, static_cast<float>(neighbours.size()));
   float xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
-  for (int i = 0; i < count; ++i) {
-    const float x = offsets[i][0] - mean[0], y = offsets[i][1] - mean[1],
-                z = offsets[i][2] - mean[2];
-    xx += x * x, xy += x * y, xz += x * z, yy += y * y, yz += y * z, zz += z * z;
+  for (const Neighbour& n : neighbours) {
+    const float x = n.offset[0] - mean[0], y = n.offset[1] - mean[1], z = n.offset[2] - mean[2];
+    xx += x * x;
+    xy += x * y;
+    xz += x * z;
+    yy += y * y;
+    yz += y * z;
+    zz += z * z;
   }
-  const Eigen3 eigen = eigen_symmetric(xx, xy, xz, yy, yz, zz);
-  if (!(eigen.value[0] < kPlaneRatio * eigen.value[1])) return query.gradient;
+  return eigen_symmetric(xx, xy, xz, yy, yz, zz);
+}
+
+/// The normal of the plane through the neighbours, or the gradient where they tell none.
+Vec plane_normal(std::span<const Neighbour> neighbours, const Vec& gradient) {
+  if (neighbours.size() < 3) return gradient;
+  const Eigen3 eigen = covariance_axes(neighbours);
+  if (!(eigen.value[0] < kPlaneRatio * eigen.value[1])) return gradient;
   const Vec& v = eigen.vector[0];
   const float length = std::sqrt(dot(v, v));
-  return divided(v, dot(v, query.gradient) < 0.0f ? -length : length);
+  const Vec normal = divided(v, dot(v, gradient) < 0.0f ? -length : length);
+  return dot(normal, gradient) > kPlaneAgrees ? normal : gradient;
 }
 
 }  // namespace
@@ -230,16 +256,11 @@ Vec plane_normal(const Neighbourhood& near, const Query& query, const Scale& sca
 void TbbBackend::normals_gradient(const BitView& object, const PointView& points,
                                   const Scale& scale, float sigma,
                                   std::array<View<float>, 3> normals) {
-  const GradientTable table = make_gradient_table(scale, sigma);
+  const GradientTable wide = make_gradient_table(scale, sigma);
+  const GradientTable narrow = make_gradient_table(scale, 0.5f * sigma);
   for_each(points.count, kPointGrain, [&](std::size_t i) {
-    const Vec inward = occupancy_gradient(object, table, load(points.position, i));
-    Vec outward{-inward[0], -inward[1], -inward[2]};
-    float square = dot(outward, outward);
-    if (square < 1e-12f) {
-      outward = load(points.area, i);
-      square = dot(outward, outward);
-    }
-    store(normals, i, divided(outward, std::sqrt(square)));
+    const Vec position = load(points.position, i), area = load(points.area, i);
+    store(normals, i, outward_gradient(object, wide, narrow, position, area));
   });
 }
 
@@ -247,26 +268,27 @@ void TbbBackend::normals_covariance(const PointView& points, const BrickView& br
                                     View<const std::uint32_t> voxel_start, const Scale& scale,
                                     int k, std::array<View<const float>, 3> gradients,
                                     std::array<View<float>, 3> normals) {
-  constexpr std::size_t kBricksATask = 8;
-  for_each((bricks.count + kBricksATask - 1) / kBricksATask, 1, [&](std::size_t task) {
-    Neighbourhood near;
-    NearestList nearest(k);
-    const std::size_t end = std::min((task + 1) * kBricksATask, bricks.count);
-    for (std::size_t brick = task * kBricksATask; brick < end; ++brick) {
-      near.gather(points, bricks, voxel_start, gradients, brick);
-      const BrickCoord at = bricks.coords[brick];
-      for (int voxel = 0; voxel < kBrickCells; ++voxel) {
-        const std::size_t v = brick * kBrickCells + voxel;
-        for (std::uint32_t i = voxel_start[v]; i < voxel_start[v + 1]; ++i) {
-          const Query query{load(points.position, i),
-                            load(gradients, i),
-                            {voxel & 7, voxel >> 3 & 7, voxel >> 6},
-                            {8 * at.x, 8 * at.y, 8 * at.z}};
-          find_neighbours(near, query, scale, nearest);
-          store(normals, i, plane_normal(near, query, scale, nearest));
-        }
+  const auto estimate_brick = [&](std::size_t brick, Neighbourhood& near, NearestList& nearest) {
+    near.gather(points, bricks, voxel_start, gradients, brick);
+    const BrickCoord at = bricks.coords[brick];
+    for (int voxel = 0; voxel < kBrickCells; ++voxel) {
+      const std::size_t v = brick * kBrickCells + voxel;
+      for (std::uint32_t i = voxel_start[v]; i < voxel_start[v + 1]; ++i) {
+        const Query query{load(points.position, i),
+                          load(gradients, i),
+                          {voxel & 7, voxel >> 3 & 7, voxel >> 6},
+                          {8 * at.x, 8 * at.y, 8 * at.z}};
+        find_neighbours(near, query, scale, nearest);
+        store(normals, i, plane_normal(nearest.entries(), query.gradient));
       }
     }
+  };
+  for_each((bricks.count + kBrickGrain - 1) / kBrickGrain, 1, [&](std::size_t task) {
+    const auto near = std::make_unique<Neighbourhood>();
+    NearestList nearest(k + 1);
+    const std::size_t end = std::min((task + 1) * kBrickGrain, bricks.count);
+    for (std::size_t brick = task * kBrickGrain; brick < end; ++brick)
+      estimate_brick(brick, *near, nearest);
   });
 }
 

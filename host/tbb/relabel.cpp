@@ -86,20 +86,43 @@ float nearest_face_centre(const std::int32_t* near, const std::uint8_t* state, c
   return best;
 }
 
-/// The solid's label smoothed by [1 2 1]^3 / 64 and averaged with itself: its sign is the label's.
+/// Whether the label changes within `limit` of a node, by linear interpolation of the values.
+bool changes_near(const std::int32_t* near, const std::uint8_t* state, const float* values,
+                  std::size_t node, const int (&at)[3], const std::vector<Reach>& offsets,
+                  float limit) {
+  const float own = std::fabs(values[node]);
+  for (const Reach& o : offsets) {
+    const std::size_t other = node_at(near, at[0] + o.x, at[1] + o.y, at[2] + o.z);
+    if (other == kNoNode || !((state[other] ^ state[node]) & kLabel)) continue;
+    if (o.length * own <= limit * (own + std::fabs(values[other]))) return true;
+  }
+  return false;
+}
+
+/// The occupancy as a quadratic B-spline with a coefficient a voxel, minus one half, kept on the
+/// side of the solid's label. Where it is linear, its zero set lies on the voxels' faces.
 float solid_field(const std::int32_t* near, const std::uint8_t* state, std::size_t node, int x,
                   int y, int z) {
-  const auto sign = [](std::uint8_t s) { return s & kSolid ? 1.0f : -1.0f; };
-  constexpr float kTap[3] = {1, 2, 1};
+  constexpr float kLeast = 0.03f;
+  struct Tap {
+    int offset;
+    float weight;
+  };
+  // Voxel centres are the odd nodes: beside an even one, at and two away from an odd one.
+  constexpr Tap kEven[3] = {{-1, 0.5f}, {1, 0.5f}, {0, 0.0f}};
+  constexpr Tap kOdd[3] = {{-2, 0.125f}, {0, 0.75f}, {2, 0.125f}};
+  const bool solid = (state[node] & kSolid) != 0;
+  const Tap *tx = x & 1 ? kOdd : kEven, *ty = y & 1 ? kOdd : kEven, *tz = z & 1 ? kOdd : kEven;
   float sum = 0;
-  for (int k = -1; k <= 1; ++k)
-    for (int j = -1; j <= 1; ++j)
-      for (int i = -1; i <= 1; ++i) {
-        std::size_t other = node_at(near, x + i, y + j, z + k);
-        if (other == kNoNode) other = node;
-        sum += (kTap[i + 1] * kTap[j + 1] * kTap[k + 1]) * sign(state[other]);
+  for (int k = 0; k < (z & 1 ? 3 : 2); ++k)
+    for (int j = 0; j < (y & 1 ? 3 : 2); ++j)
+      for (int i = 0; i < (x & 1 ? 3 : 2); ++i) {
+        const std::size_t voxel =
+            node_at(near, x + tx[i].offset, y + ty[j].offset, z + tz[k].offset);
+        const bool object = voxel == kNoNode ? solid : (state[voxel] & kSolid) != 0;
+        if (object) sum += tx[i].weight * (ty[j].weight * tz[k].weight);
       }
-  return 0.25f * (sign(state[node]) + sum * (1.0f / 64.0f));
+  return solid ? std::max(sum - 0.5f, kLeast) : std::min(sum - 0.5f, -kLeast);
 }
 
 }  // namespace
@@ -155,7 +178,6 @@ std::uint32_t TbbBackend::relabel_sweep(const BrickView& bricks, View<const std:
 std::uint32_t TbbBackend::lattice_mark_far(const BrickView& bricks, const Scale& scale, float limit,
                                            View<const std::uint8_t> state, View<const float> values,
                                            View<std::uint8_t> marks) {
-  const std::vector<Reach> near_limit = offsets_within(scale, limit, 3);
   float longest = 0;
   std::array<float, 8> edge_length{};
   for (int d = 1; d < 8; ++d) {
@@ -176,14 +198,7 @@ std::uint32_t TbbBackend::lattice_mark_far(const BrickView& bricks, const Scale&
       const std::uint8_t own = state[node];
       bool far = false;
       if (own & kFaceCentre) {
-        far = true;
-        for (const Reach& o : near_limit) {
-          const std::size_t other = node_at(near, at[0] + o.x, at[1] + o.y, at[2] + o.z);
-          if (other != kNoNode && ((state[other] ^ own) & kLabel)) {
-            far = false;
-            break;
-          }
-        }
+        far = !changes_near(near, state.data(), values.data(), node, at, search, limit);
       } else if ((own & kLabel) != (own >> 1 & 1)) {
         // A relabelled node: the crossings of its edges. Only such nodes have far ones.
         for (std::size_t i = 0; i < kLink.size() && !far; ++i) {

@@ -1,0 +1,104 @@
+#include "vasamesh/pipeline.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "scheduler.h"
+#include "stages/lattice.h"
+#include "stages/normals.h"
+#include "stages/octree.h"
+#include "stages/points.h"
+#include "stages/poisson.h"
+#include "stages/quality.h"
+#include "stages/surface.h"
+#include "stages/topology_count.h"
+#include "stages/verify.h"
+
+namespace vasamesh {
+
+namespace {
+
+/// The whole method, in the order of the paper.
+Result run_pipeline(const VolumeView& volume, const Parameters& parameters, Scheduler& scheduler) {
+  Backend& host = scheduler.host();
+  Result result;
+  Report& report = result.report;
+  report.geometry = volume.geometry;
+  report.parameters = parameters;
+
+  scheduler.begin("input", Stage::points);
+  BitVolume object = pack_volume(host, volume);
+  Solid solid = examine_solid(host, object.view(), volume.geometry.size, parameters.connectivity);
+  if (parameters.min_component > 1)
+    drop_small_components(host, object, volume.geometry.size, parameters.connectivity,
+                          parameters.min_component, solid);
+  if (solid.findings.object_voxels == 0)
+    throw Error(ErrorCode::bad_input,
+                "nothing is in the foreground: give a segmentation with object voxels");
+  const auto [least, most] =
+      std::minmax_element(volume.geometry.spacing.begin(), volume.geometry.spacing.end());
+  solid.findings.anisotropy = *most / *least;
+
+  scheduler.begin("points", Stage::points);
+  const Scale scale = make_scale(volume.geometry);
+  PointCloud points = extract_points(host, object, scale);
+  report.points = static_cast<std::int64_t>(points.count);
+  report.thin_points = static_cast<std::int64_t>(points.thin_count);
+
+  scheduler.begin("normals", Stage::normals);
+  estimate_normals(host, object, scale, parameters, points);
+
+  scheduler.begin("octree", Stage::octree);
+  Octree octree = build_octree(host, points, scale, parameters);
+  assemble_poisson(host, points, scale, parameters, octree);
+
+  scheduler.begin("poisson", Stage::poisson);
+  solve_poisson(scheduler, parameters, octree, report.levels);
+  subtract_isovalue(host, points, scale, octree);
+
+  scheduler.begin("topology", Stage::lattice);
+  Lattice lattice = build_lattice(host, object, points, scale, octree, parameters);
+  report.relabel = relabel(scheduler, scale, lattice);
+
+  scheduler.begin("surface", Stage::surface);
+  result.mesh = extract_base_surface(host, lattice);
+  place_in_space(host, volume.geometry, parameters.space, result.mesh);
+
+  scheduler.begin("check", Stage::verify);
+  const SolidMatch wanted = {&solid, volume.geometry, parameters.space};
+  report.check = check_surface(host, result.mesh, &wanted);
+  report.quality = measure_quality(host, result.mesh);
+  report.input = std::move(solid.findings);
+  scheduler.end();
+  report.stages = scheduler.take_reports();
+  if (!report.check.passed)
+    throw Error(ErrorCode::failed_check,
+                "the surface failed its proof and is not written: " + report.check.reason);
+  return result;
+}
+
+}  // namespace
+
+struct Converter::State {
+  Context context;
+};
+
+Converter::Converter(Context context)
+    : state_(std::make_unique<State>(State{std::move(context)})) {}
+Converter::~Converter() = default;
+Converter::Converter(Converter&&) noexcept = default;
+Converter& Converter::operator=(Converter&&) noexcept = default;
+
+Result Converter::convert(const VolumeView& volume, const Parameters& parameters) {
+  return vasamesh::convert(volume, parameters, state_->context);
+}
+
+Result convert(const VolumeView& volume, const Parameters& parameters, Context& context) {
+  validate(parameters);
+  Scheduler scheduler(context);
+  for (const auto& backend : context.backends)
+    backend->set_byte_limit(static_cast<std::size_t>(parameters.max_memory));
+  return run_pipeline(volume, parameters, scheduler);
+}
+
+}  // namespace vasamesh

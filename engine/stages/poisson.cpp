@@ -1,0 +1,217 @@
+#include "stages/poisson.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "stages/bricks.h"
+
+namespace vasamesh {
+
+namespace {
+
+std::size_t cells(const OctreeLevel& level) { return level.bricks.count * kBrickCells; }
+
+/// The exponent of the finest level that is solved; finer ones only represent its field.
+int finest_solved(const Octree& octree, const Parameters& parameters) {
+  const int regular_depth = octree.depth(octree.at_exponent(0));
+  return parameters.depth == 0 ? octree.levels.back().exponent : regular_depth - parameters.depth;
+}
+
+/// The bricks 2 B - 1 .. 2 B + 2 of a finer level round each brick B of a coarse one.
+Buffer<std::int32_t> children_of(Backend& backend, const OctreeLevel& coarse,
+                                 const OctreeLevel& fine) {
+  std::vector<BrickCoord> corners = coarse.coords;
+  for (BrickCoord& c : corners) c = {2 * c.x - 1, 2 * c.y - 1, 2 * c.z - 1};
+  return brick_windows(backend, corners, 4, fine.coords);
+}
+
+double relative_norm(float square, float reference) {
+  return reference > 0 ? std::sqrt(static_cast<double>(square) / reference) : 0.0;
+}
+
+/// A copy of a buffer of `from` in the memory of `to`.
+template <class T>
+Buffer<T> copy_between(Backend& from, View<const T> values, Backend& to) {
+  std::vector<T> staging(values.size);
+  from.download<T>(values, staging);
+  Buffer<T> copy(to, values.size);
+  to.upload<T>(copy.view(), staging);
+  return copy;
+}
+
+/// As conjugate_gradient, for a level whose buffers `host` holds, on a backend of other memory.
+SolveOutcome solve_elsewhere(Backend& host, Backend& solver, OctreeLevel& level, int iterations,
+                             SolveWorkspace& workspace) {
+  Bricks bricks;
+  bricks.count = level.bricks.count;
+  bricks.coords = copy_between<BrickCoord>(host, level.bricks.coords.view(), solver);
+  bricks.neighbours = copy_between<std::int32_t>(host, level.bricks.neighbours.view(), solver);
+  const auto unknown = copy_between<std::uint8_t>(host, level.unknown.view(), solver);
+  const auto b = copy_between<float>(host, level.right_hand_side.view(), solver);
+  auto x = copy_between<float>(host, level.solution.view(), solver);
+  const SolveOutcome outcome =
+      conjugate_gradient(solver, {level.exponent, bricks.view(), level.weights}, unknown.view(),
+                         b.view(), x.view(), iterations, workspace);
+  std::vector<float> staging(x.size());
+  solver.download<float>(x.view(), staging);
+  host.upload<float>(level.solution.view(), staging);
+  return outcome;
+}
+
+/// Smooths by the variance that is wanted (in cells^2) along one axis, in two passes.
+void smooth_axis(Backend& backend, const LevelView& level, int axis, float variance,
+                 Buffer<float>& values, Buffer<float>& scratch) {
+  // Two passes of variance 2 tap each; above a third the taps would no longer fall off.
+  const float tap = std::min(0.25f * variance, 1.0f / 3.0f);
+  if (tap <= 0) return;
+  backend.isovalue_smooth(level, axis, tap, values.view(), scratch.view());
+  backend.isovalue_smooth(level, axis, tap, scratch.view(), values.view());
+}
+
+/// Area-weighted mean of the values over all points.
+float mean_value(const PointView& points, View<const float> values) {
+  double sum = 0, weight = 0;
+  for (std::size_t i = 0; i < points.count; ++i) {
+    const double ax = points.area[0][i], ay = points.area[1][i], az = points.area[2][i];
+    const double area = std::sqrt(ax * ax + ay * ay + az * az);
+    sum += area * values[i];
+    weight += area;
+  }
+  return weight > 0 ? static_cast<float>(sum / weight) : 0.5f;
+}
+
+}  // namespace
+
+SolveOutcome conjugate_gradient(Backend& backend, const LevelView& level,
+                                View<const std::uint8_t> unknown, View<const float> b,
+                                View<float> x, int iterations, SolveWorkspace& w) {
+  const std::size_t n = level.bricks.count * kBrickCells;
+  w.residual.resize(backend, n);
+  w.direction.resize(backend, n);
+  w.image.resize(backend, n);
+  w.partial.resize(backend, level.bricks.count);
+  const View<float> r = w.residual.view(), p = w.direction.view(), q = w.image.view(),
+                    partial = w.partial.view();
+
+  // |b|^2, as the residual of x = 0; p is zero here.
+  backend.fill(p, 0.0f);
+  backend.poisson_residual(level, unknown, b, p, r, partial);
+  const float b_square = backend.reduce_sum(partial);
+
+  // r = b - A x, p = r
+  backend.poisson_residual(level, unknown, b, x, r, partial);
+  float r_square = backend.reduce_sum(partial);
+  backend.poisson_update_direction(level, 0.0f, r, p);
+
+  SolveOutcome outcome;
+  outcome.initial_residual = relative_norm(r_square, b_square);
+  while (outcome.iterations < iterations && r_square > 1e-12f * b_square) {
+    // q = A p, alpha = r.r / p.q
+    backend.poisson_apply(level, unknown, p, q, partial);
+    const float p_q = backend.reduce_sum(partial);
+    if (!(p_q > 0)) break;
+    // x += alpha p, r -= alpha q
+    backend.poisson_update_solution(level, r_square / p_q, p, q, x, r, partial);
+    const float next_square = backend.reduce_sum(partial);
+    // p = r + beta p
+    backend.poisson_update_direction(level, next_square / r_square, r, p);
+    r_square = next_square;
+    ++outcome.iterations;
+  }
+  outcome.residual = relative_norm(r_square, b_square);
+  return outcome;
+}
+
+void assemble_poisson(Backend& backend, const PointCloud& points, const Scale& scale,
+                      const Parameters& parameters, Octree& octree) {
+  const float least = std::ldexp(1.0f, std::max(0, finest_solved(octree, parameters)));
+  const auto width = [&](float knots) { return std::max(knots, least); };
+  const Kernel kernel = {width(std::min(kThinKernel, static_cast<float>(parameters.kernel_width))),
+                         width(static_cast<float>(parameters.kernel_width))};
+  for (OctreeLevel& level : octree.levels) {
+    if (level.exponent > 0) continue;
+    const LevelPoints index = index_points(backend, level, points);
+    backend.poisson_splat(level.view(), index.view(), points.view(), scale, kernel,
+                          level.right_hand_side.view());
+  }
+  for (int exponent = 1; exponent <= octree.root_exponent(); ++exponent) {
+    OctreeLevel& coarse = octree.at_exponent(exponent);
+    const OctreeLevel& fine = octree.at_exponent(exponent - 1);
+    const auto children = children_of(backend, coarse, fine);
+    backend.poisson_restrict(coarse.view(), children.view(), fine.right_hand_side.view(),
+                             coarse.right_hand_side.view());
+  }
+}
+
+void solve_poisson(Scheduler& scheduler, const Parameters& parameters, Octree& octree,
+                   std::vector<LevelReport>& reports) {
+  Backend& host = scheduler.host();
+  Backend& solver = scheduler.backend_for(Stage::poisson);
+  const int finest = finest_solved(octree, parameters);
+  SolveWorkspace workspace;
+  for (std::size_t i = 0; i < octree.levels.size(); ++i) {
+    OctreeLevel& level = octree.levels[i];
+    if (i == 0)
+      host.fill(level.solution.view(), 0.0f);
+    else
+      host.poisson_prolong(level.view(), level.parents.view(), octree.levels[i - 1].solution.view(),
+                           level.solution.view());
+    SolveOutcome outcome;
+    if (level.exponent >= finest) {
+      const int iterations = i == 0 ? kRootIterations : kLevelIterations;
+      outcome = &solver == &host ? conjugate_gradient(host, level.view(), level.unknown.view(),
+                                                      level.right_hand_side.view(),
+                                                      level.solution.view(), iterations, workspace)
+                                 : solve_elsewhere(host, solver, level, iterations, workspace);
+    }
+    LevelReport report;
+    report.depth = octree.depth(level);
+    const std::int64_t side = std::int64_t{3 * kBrickSide} << i;
+    report.cells = {side, side, side};
+    report.nodes = static_cast<std::int64_t>(cells(level));
+    const std::size_t children =
+        i + 1 < octree.levels.size() ? octree.levels[i + 1].bricks.count : 0;
+    report.leaves = report.nodes - static_cast<std::int64_t>(64 * children);
+    report.iterations = outcome.iterations;
+    report.initial_residual = outcome.initial_residual;
+    report.residual = outcome.residual;
+    reports.push_back(report);
+    scheduler.progress("poisson", static_cast<double>(i + 1) / octree.levels.size());
+  }
+}
+
+void subtract_isovalue(Backend& backend, const PointCloud& points, const Scale& scale,
+                       Octree& octree) {
+  // The field at the samples, from the finest level that holds each.
+  Buffer<float> at_points(backend, points.count);
+  for (const OctreeLevel& level : octree.levels) {
+    if (level.exponent > 0) continue;
+    backend.poisson_sample_points(level.view(), index_points(backend, level, points).view(),
+                                  points.view(), level.solution.view(), at_points.view());
+  }
+  // Its normalised Gaussian mean, as a spline of the level of two voxels a cell.
+  const OctreeLevel& coarse = octree.at_exponent(1);
+  Buffer<float> mean(backend, cells(coarse)), weight(backend, cells(coarse)),
+      scratch(backend, cells(coarse));
+  backend.isovalue_splat(coarse.view(), index_points(backend, coarse, points).view(), points.view(),
+                         at_points.view(), mean.view(), weight.view());
+  for (int axis = 0; axis < 3; ++axis) {
+    const float sigma = kIsovalueSigma / (2.0f * scale[static_cast<std::size_t>(axis)]);
+    const float variance = sigma * sigma - 0.5f;  // the splat and the spline have a quarter each
+    smooth_axis(backend, coarse.view(), axis, variance, mean, scratch);
+    smooth_axis(backend, coarse.view(), axis, variance, weight, scratch);
+  }
+  backend.isovalue_divide(mean_value(points.view(), at_points.view()), weight.view(), mean.view());
+
+  OctreeLevel& regular = octree.at_exponent(0);
+  Buffer<float> isovalue(backend, cells(regular));
+  backend.poisson_prolong(regular.view(), regular.parents.view(), mean.view(), isovalue.view());
+  backend.field_subtract(regular.solution.view(), isovalue.view());
+  if (!octree.has_refined()) return;
+  OctreeLevel& refined = octree.at_exponent(-1);
+  Buffer<float> finer(backend, cells(refined));
+  backend.poisson_prolong(refined.view(), refined.parents.view(), isovalue.view(), finer.view());
+  backend.field_subtract(refined.solution.view(), finer.view());
+}
+
+}  // namespace vasamesh

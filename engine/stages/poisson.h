@@ -1,0 +1,64 @@
+#pragma once
+
+/// \file
+/// The indicator function: the Poisson equation of the splatted normals (eq. 2 to 4 of the paper)
+/// solved level by level, and the local isovalue taken off, so that the surface is its zero set.
+///
+/// The field is a sum of quadratic B-splines on the cells of a level. Each level starts from the
+/// coarser one's field, which subdivision represents exactly, and keeps it where its band ends.
+
+#include "backend/backend.h"
+#include "scheduler.h"
+#include "stages/octree.h"
+#include "types/octree.h"
+#include "types/point_cloud.h"
+#include "vasamesh/parameters.h"
+#include "vasamesh/report.h"
+
+namespace vasamesh {
+
+/// Conjugate gradient iterations: at the root, and at the other levels. The band's boundary values
+/// come from the coarser level, so that more change nothing.
+inline constexpr int kRootIterations = 40;
+inline constexpr int kLevelIterations = 12;
+
+/// Knot distance of the splatting kernel where the vessel is thin, in voxel lengths.
+inline constexpr float kThinKernel = 0.75f;
+
+/// Standard deviation of the local isovalue's kernel, in voxel lengths.
+inline constexpr float kIsovalueSigma = 2.0f;
+
+/// Arrays of a solve, kept from level to level: a solve allocates nothing once they are large
+/// enough.
+struct SolveWorkspace {
+  Buffer<float> residual, direction, image, partial;
+};
+
+/// Iterations done and the 2-norm of the residual before and after, relative to that of b.
+struct SolveOutcome {
+  int iterations = 0;
+  double initial_residual = 0;
+  double residual = 0;
+};
+
+/// Solves A x = b on the unknown cells of a level by conjugate gradients from the x given
+/// (Hestenes and Stiefel, 1952). Ends early where the residual falls below 1e-6 of b.
+SolveOutcome conjugate_gradient(Backend& backend, const LevelView& level,
+                                View<const std::uint8_t> unknown, View<const float> b,
+                                View<float> x, int iterations, SolveWorkspace& workspace);
+
+/// Fills right_hand_side of every level: splatted on the regular and the refined level, restricted
+/// to the coarser ones.
+void assemble_poisson(Backend& backend, const PointCloud& points, const Scale& scale,
+                      const Parameters& parameters, Octree& octree);
+
+/// Fills `solution` of every level, coarse to fine.
+void solve_poisson(Scheduler& scheduler, const Parameters& parameters, Octree& octree,
+                   std::vector<LevelReport>& reports);
+
+/// Takes the local isovalue off the regular and the refined level's solution: there the surface is
+/// the zero set, positive inside.
+void subtract_isovalue(Backend& backend, const PointCloud& points, const Scale& scale,
+                       Octree& octree);
+
+}  // namespace vasamesh
