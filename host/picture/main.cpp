@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "picture/display.h"
 #include "picture/scene.h"
 #include "vasamesh/errors.h"
 
@@ -18,6 +19,9 @@ namespace {
 
 using vasamesh::Error;
 using vasamesh::ErrorCode;
+
+/// Set in the environment of the process that xvfb-run starts.
+constexpr const char* kStarted = "VASAMESH_PICTURE_IN_XVFB";
 
 /// Replaces this process by the same command inside a virtual X display; returns only on failure.
 void start_in_virtual_display(char** argv) {
@@ -29,10 +33,13 @@ void start_in_virtual_display(char** argv) {
 }
 
 void need_display(char** argv) {
-  if (std::getenv("DISPLAY")) return;
-  start_in_virtual_display(argv);
+  if (vasamesh::has_display()) return;
+  if (!std::getenv(kStarted)) {
+    setenv(kStarted, "1", 1);
+    start_in_virtual_display(argv);
+  }
   throw Error(ErrorCode::no_device,
-              "DISPLAY: not set and xvfb-run is not there; install xvfb and xauth");
+              "DISPLAY: no X display, and xvfb-run gave none; install xvfb and xauth");
 }
 
 std::array<int, 2> parse_size(const std::string& text) {
