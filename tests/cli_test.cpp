@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -26,32 +27,35 @@ Outcome vasamesh_with(Arguments arguments, const std::string& stdout_to = {}) {
   return run_program(arguments, stdout_to);
 }
 
-/// A NRRD file in text: 4 x 4 x 4 voxels unless `sizes` says otherwise.
-std::string nrrd(const std::string& type, const std::string& values,
+/// A NRRD file of `sizes` voxels, 4 x 4 x 4 unless said otherwise.
+std::string nrrd(const std::string& type, const std::string& bytes,
                  const std::string& sizes = "4 4 4", const std::string& spacings = "1 1 1") {
   return "NRRD0004\ntype: " + type + "\ndimension: 3\nsizes: " + sizes + "\nspacings: " + spacings +
-         "\nencoding: ascii\n\n" + values + "\n";
+         "\nendian: little\nencoding: raw\n\n" + bytes;
 }
 
-/// 64 values, all `rest` but the first few.
-std::string values(const std::vector<std::string>& first, const std::string& rest) {
-  std::string text;
-  for (std::size_t i = 0; i < 64; ++i) text += (i < first.size() ? first[i] : rest) + " ";
-  return text;
+/// The bytes of 64 values: `first`, then zeros.
+template <class Value>
+std::string voxels(std::vector<Value> first) {
+  first.resize(64);
+  return {reinterpret_cast<const char*>(first.data()), 64 * sizeof(Value)};
 }
 
 /// The inputs of the tests below, good and bad.
 void make_inputs(const Scratch& folder) {
-  std::vector<std::string> ramp;
-  for (int i = 0; i < 64; ++i) ramp.push_back(std::to_string(i) + ".5");
-  write_text(folder / "good.nrrd", nrrd("uchar", values({"1", "1"}, "0")));
-  write_text(folder / "empty.nrrd", nrrd("uchar", values({}, "0")));
-  write_text(folder / "labels.nrrd", nrrd("short", values({"3", "7"}, "0")));
-  write_text(folder / "grey.nrrd", nrrd("float", values(ramp, "0")));
-  write_text(folder / "nan.nrrd", nrrd("float", values({"1", "nan"}, "0")));
-  write_text(folder / "huge.nrrd", nrrd("uchar", "0", "100000 100000 100000"));
-  write_text(folder / "short.nrrd", nrrd("uchar", "1 0 1"));
-  write_text(folder / "flat.nrrd", nrrd("uchar", values({"1"}, "0"), "4 4 4", "1 0 1"));
+  using Bytes = std::vector<unsigned char>;
+  using Floats = std::vector<float>;
+  Floats ramp;
+  for (int i = 0; i < 64; ++i) ramp.push_back(static_cast<float>(i) + 0.5f);
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  write_text(folder / "good.nrrd", nrrd("uchar", voxels(Bytes{1, 1})));
+  write_text(folder / "empty.nrrd", nrrd("uchar", voxels(Bytes{})));
+  write_text(folder / "labels.nrrd", nrrd("short", voxels(std::vector<short>{3, 7})));
+  write_text(folder / "grey.nrrd", nrrd("float", voxels(ramp)));
+  write_text(folder / "nan.nrrd", nrrd("float", voxels(Floats{1, nan})));
+  write_text(folder / "huge.nrrd", nrrd("uchar", voxels(Bytes{1}), "100000 100000 100000"));
+  write_text(folder / "short.nrrd", nrrd("uchar", "only this"));
+  write_text(folder / "flat.nrrd", nrrd("uchar", voxels(Bytes{1}), "4 4 4", "1 0 1"));
   write_text(folder / "noise.nii.gz", "this is not a compressed volume");
   write_text(folder / "text.txt", "hello");
   std::filesystem::create_directory(folder / "folder");
@@ -193,7 +197,7 @@ const Fault kBadInput[] = {
     {"folder", convert("@folder"), 3, {"folder", "DICOM"}},
     {"unknown_format", convert("@text.txt"), 3, {"text.txt"}},
     {"noise", convert("@noise.nii.gz"), 3, {"noise.nii.gz"}},
-    {"empty", convert("@empty.nrrd"), 3, {"empty.nrrd", "--label"}},
+    {"empty", convert("@empty.nrrd"), 3, {"empty.nrrd", "nothing in the foreground"}},
     {"several_labels", convert("@labels.nrrd"), 3, {"labels.nrrd", "3", "7", "--label"}},
     {"absent_label", convert("@labels.nrrd", {"--label", "5"}), 3, {"labels.nrrd", "5", "3", "7"}},
     {"grey", convert("@grey.nrrd"), 3, {"grey.nrrd", "--threshold"}},

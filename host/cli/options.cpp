@@ -147,8 +147,9 @@ CLI::App* add_phantom(CLI::App& app, PhantomRequest& request) {
   phantom->add_option("--surface", request.surface, "Also write the exact surface");
   phantom->add_option("--seed", request.options.seed, "Of trees and speckle")
       ->capture_default_str();
-  phantom->add_option("--size", request.options.size, "Voxels along each axis");
-  phantom->add_option("--spacing", request.options.spacing, "Voxel size along each axis, mm");
+  phantom->add_option("--size", request.options.size, "Voxels along each axis")->type_name("X Y Z");
+  phantom->add_option("--spacing", request.options.spacing, "Voxel size along each axis, mm")
+      ->type_name("X Y Z");
   phantom->add_option("--radius", request.options.radius, "Of the vessel, in voxels");
   std::string footer = "Names:\n";
   for (const std::string& name : phantom_names())

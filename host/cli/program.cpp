@@ -28,7 +28,10 @@ int report_usage(const CLI::App& app, const CLI::ParseError& error) {
   if (error.get_exit_code() == 0) return app.exit(error);
   std::string help = "vasamesh";
   for (const CLI::App* sub : app.get_subcommands()) help += " " + sub->get_name();
-  return report(ErrorCode::usage, std::string(error.what()) + "; see " + help + " --help");
+  std::string message = error.what();
+  if (app.get_subcommands().empty() && !app.remaining().empty())
+    message = app.remaining().front() + " is no subcommand";
+  return report(ErrorCode::usage, message + "; see " + help + " --help");
 }
 
 /// The one place where errors become exit codes.
