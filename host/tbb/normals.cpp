@@ -221,34 +221,41 @@ void find_neighbours(const Neighbourhood& near, const Query& query, const Scale&
   }
 }
 
-/// Eigenvectors of the neighbours' covariance (eq. 1, times k).
-Eigen3 covariance_axes(std::span<const Neighbour> neighbours) {
+/// Six entries of a symmetric 3 x 3 matrix.
+struct Symmetric {
+  float xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
+
+  void add_square(const Vec& v) {
+    xx += v[0] * v[0];
+    xy += v[0] * v[1];
+    xz += v[0] * v[2];
+    yy += v[1] * v[1];
+    yz += v[1] * v[2];
+    zz += v[2] * v[2];
+  }
+};
+
+/// The tangent plane of the gradient g as a matrix: weight * (1 - g g^T).
+Symmetric tangent_plane(const Vec& g, float weight) {
+  return {weight * (1.0f - g[0] * g[0]), -weight * (g[0] * g[1]), -weight * (g[0] * g[2]),
+          weight * (1.0f - g[1] * g[1]), -weight * (g[1] * g[2]), weight * (1.0f - g[2] * g[2])};
+}
+
+/// The normal of the plane through the neighbours.
+Vec plane_normal(std::span<const Neighbour> neighbours, const Vec& gradient) {
+  const auto count = static_cast<float>(neighbours.size());
   Vec mean{0, 0, 0};
   for (const Neighbour& n : neighbours)
     for (int axis = 0; axis < 3; ++axis) mean[axis] += n.offset[axis];
-  mean = divided(mean, static_cast<float>(neighbours.size()));
-  float xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
-  for (const Neighbour& n : neighbours) {
-    const float x = n.offset[0] - mean[0], y = n.offset[1] - mean[1], z = n.offset[2] - mean[2];
-    xx += x * x;
-    xy += x * y;
-    xz += x * z;
-    yy += y * y;
-    yz += y * z;
-    zz += z * z;
-  }
-  return eigen_symmetric(xx, xy, xz, yy, yz, zz);
-}
-
-/// The normal of the plane through the neighbours, or the gradient where they tell none.
-Vec plane_normal(std::span<const Neighbour> neighbours, const Vec& gradient) {
-  if (neighbours.size() < 3) return gradient;
-  const Eigen3 eigen = covariance_axes(neighbours);
-  if (!(eigen.value[0] < kPlaneRatio * eigen.value[1])) return gradient;
+  mean = divided(mean, count);
+  // k C = sum of (p_i - mean) (p_i - mean)^T + k tau (1 - g g^T)
+  Symmetric c = tangent_plane(gradient, kTangentWeight * count);
+  for (const Neighbour& n : neighbours)
+    c.add_square({n.offset[0] - mean[0], n.offset[1] - mean[1], n.offset[2] - mean[2]});
+  const Eigen3 eigen = eigen_symmetric(c.xx, c.xy, c.xz, c.yy, c.yz, c.zz);
   const Vec& v = eigen.vector[0];
   const float length = std::sqrt(dot(v, v));
-  const Vec normal = divided(v, dot(v, gradient) < 0.0f ? -length : length);
-  return dot(normal, gradient) > kPlaneAgrees ? normal : gradient;
+  return divided(v, dot(v, gradient) < 0.0f ? -length : length);
 }
 
 }  // namespace
