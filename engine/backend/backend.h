@@ -108,9 +108,10 @@ class Backend : public Memory {
                                 float sigma, std::array<View<float>, 3> normals) = 0;
 
   /// Outward unit eigenvector of the smallest eigenvalue of the covariance of the point's own voxel
-  /// and its k nearest neighbours, oriented by the point's gradient; that gradient where they tell
-  /// no plane. A neighbour is a voxel's samples whose gradient agrees with the point's, at their
-  /// mean; ties by the index of its first sample. k is 3 to 64.
+  /// and its k nearest neighbours, with the tangent plane of the point's gradient added
+  /// (engine/stages/normals.h), oriented by that gradient. A neighbour is a voxel's samples whose
+  /// gradient agrees with the point's, at their mean, within kNeighbourReach voxels; ties by the
+  /// index of the voxel's first sample. k is 3 to 64.
   virtual void normals_covariance(const PointView& points, const BrickView& bricks,
                                   View<const std::uint32_t> voxel_start, const Scale& scale, int k,
                                   std::array<View<const float>, 3> gradients,
@@ -151,8 +152,7 @@ class Backend : public Memory {
   /// The splatted vector field's divergence, eq. 3 and 4 of the paper with B-splines for the
   /// Gaussian: right_hand_side(c) = -volume * div V at c, V = sum over the points of -area * K,
   /// div by differences over the cell's faces. K is the tensor product of quadratic B-splines whose
-  /// knots are `kernel` apart, blended from `thin` to `thick` by the point's thickness, and at
-  /// least one cell.
+  /// knots are kernel.at(the point's thickness) voxel lengths apart, and at least one cell.
   virtual void poisson_splat(const LevelView& level, const PointIndex& index,
                              const PointView& points, const Scale& scale, const Kernel& kernel,
                              View<float> right_hand_side) = 0;

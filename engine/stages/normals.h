@@ -35,8 +35,7 @@ inline constexpr float kSameSheet = 0.5f;
 /// tau, in squared voxel lengths: about half of what ten neighbours spread along the surface.
 inline constexpr float kTangentWeight = 0.5f;
 
-/// Neighbours are looked for in the (2 r + 1)^3 voxels round a point's own, with r = 2, and with
-/// this r where the farthest of them might miss a nearer one.
+/// Neighbours are looked for in the (2 r + 1)^3 voxels round a point's own.
 inline constexpr int kNeighbourReach = 3;
 
 /// Below this square a gradient is taken to vanish.

@@ -90,6 +90,7 @@ Vec outward_gradient(const BitView& object, const GradientTable& wide, const Gra
 // --- Covariance. -------------------------------------------------------------------------------
 
 constexpr int kReach = kNeighbourReach;
+constexpr int kBlock = 2 * kReach + 1;
 constexpr int kSpan = kBrickSide + 2 * kReach;
 constexpr int kMaxNeighbours = 64 + 1;  // with the point's own voxel
 
@@ -99,7 +100,6 @@ class Neighbourhood {
   struct Sample {
     Vec position, gradient;
     std::uint32_t index;  // in the point cloud
-    std::uint32_t cell;   // its voxel here
   };
 
   void gather(const PointView& points, const BrickView& bricks,
@@ -116,19 +116,26 @@ class Neighbourhood {
           if (b == kNoBrick) continue;
           const std::size_t voxel = std::size_t{kBrickCells} * b + brick_cell(x & 7, y & 7, z & 7);
           for (std::uint32_t i = voxel_start[voxel]; i < voxel_start[voxel + 1]; ++i)
-            samples_.push_back({load(points.position, i), load(gradients, i), i, cell});
+            samples_.push_back({load(points.position, i), load(gradients, i), i});
         }
     start_[cell] = static_cast<std::uint32_t>(samples_.size());
   }
 
-  /// The samples of voxels (x0 .. x1, y, z), brick coordinates.
-  std::span<const Sample> row(int x0, int x1, int y, int z) const {
-    const int first = kSpan * (y + kReach + kSpan * (z + kReach)) + kReach;
-    const std::uint32_t begin = start_[first + x0], end = start_[first + x1 + 1];
-    return {samples_.data() + begin, end - begin};
+  /// The samples of a voxel; brick coordinates.
+  std::span<const Sample> voxel(int x, int y, int z) const {
+    const int cell = cell_of(x, y, z);
+    return {samples_.data() + start_[cell], start_[cell + 1] - start_[cell]};
+  }
+  /// True where no voxel in reach of x has samples in the row.
+  bool row_is_empty(int x, int y, int z) const {
+    return start_[cell_of(x - kReach, y, z)] == start_[cell_of(x + kReach, y, z) + 1];
   }
 
  private:
+  static int cell_of(int x, int y, int z) {
+    return x + kReach + kSpan * (y + kReach + kSpan * (z + kReach));
+  }
+
   std::vector<Sample> samples_;
   std::uint32_t start_[kSpan * kSpan * kSpan + 1];
 };
@@ -151,6 +158,10 @@ class NearestList {
 
   void clear() { count_ = 0; }
   bool full() const { return count_ == capacity_; }
+  /// True when nothing at this squared distance or beyond can be among the nearest.
+  bool excludes(float distance) const {
+    return full() && distance > kSafe * entries_[count_ - 1].distance;
+  }
   std::span<const Neighbour> entries() const {
     return {entries_, static_cast<std::size_t>(count_)};
   }
@@ -163,6 +174,8 @@ class NearestList {
   }
 
  private:
+  static constexpr float kSafe = 1.001f;  // covers the rounding of distances
+
   int capacity_, count_ = 0;
   Neighbour entries_[kMaxNeighbours];
 };
@@ -174,50 +187,69 @@ struct Query {
   std::array<int, 3> corner;  // of the brick, in voxels
 };
 
-/// The square of the distance within which a search of `reach` voxels sees every point.
-float covered(const Query& query, const Scale& scale, int reach) {
-  float least = 0;
-  for (int axis = 0; axis < 3; ++axis) {
-    const int voxel = query.corner[axis] + query.voxel[axis];
-    const float below = query.position[axis] - static_cast<float>(voxel - reach);
-    const float above = static_cast<float>(voxel + reach + 1) - query.position[axis];
-    const float nearer = std::min(below, above) * scale[axis];
-    least = axis == 0 ? nearer : std::min(least, nearer);
-  }
-  return least * least;
-}
+/// The rows of voxels in reach, (dy, dz), nearest first.
+struct RowOffsets {
+  std::array<std::array<int, 2>, kBlock * kBlock> offset;
 
-/// Offers the neighbours among a row of samples, voxel by voxel.
-void offer_row(std::span<const Neighbourhood::Sample> row, const Query& query, const Scale& scale,
-               NearestList& nearest) {
-  for (std::size_t i = 0; i < row.size();) {
-    const std::uint32_t cell = row[i].cell;
-    Neighbour neighbour{0, row[i].index, {0, 0, 0}};
-    int agreeing = 0;
-    for (; i < row.size() && row[i].cell == cell; ++i) {
-      if (!(dot(row[i].gradient, query.gradient) > kSameSheet)) continue;
-      for (int axis = 0; axis < 3; ++axis)
-        neighbour.offset[axis] += row[i].position[axis] - query.position[axis];
-      ++agreeing;
-    }
-    if (agreeing == 0) continue;
+  RowOffsets() {
+    for (int i = 0; i < kBlock * kBlock; ++i)
+      offset[i] = {i % kBlock - kReach, i / kBlock - kReach};
+    const auto square = [](const std::array<int, 2>& o) { return o[0] * o[0] + o[1] * o[1]; };
+    std::stable_sort(offset.begin(), offset.end(),
+                     [&](const auto& a, const auto& b) { return square(a) < square(b); });
+  }
+};
+
+/// Squares of the distances from a point to the slabs of voxels round its own, along each axis.
+struct Gaps {
+  std::array<std::array<float, kBlock>, 3> square;
+
+  Gaps(const Query& query, const Scale& scale) {
     for (int axis = 0; axis < 3; ++axis)
-      neighbour.offset[axis] =
-          (neighbour.offset[axis] / static_cast<float>(agreeing)) * scale[axis];
-    neighbour.distance = dot(neighbour.offset, neighbour.offset);
-    nearest.offer(neighbour);
+      for (int i = 0; i < kBlock; ++i) {
+        const int voxel = query.corner[axis] + query.voxel[axis] + i - kReach;
+        const float below = static_cast<float>(voxel) - query.position[axis];
+        const float above = query.position[axis] - static_cast<float>(voxel + 1);
+        const float gap = std::max(std::max(below, above), 0.0f) * scale[axis];
+        square[axis][i] = gap * gap;
+      }
   }
+};
+
+/// The neighbour that one voxel's samples make; false where none of them agrees.
+bool make_neighbour(std::span<const Neighbourhood::Sample> samples, const Query& query,
+                    const Scale& scale, Neighbour& neighbour) {
+  Vec sum{0, 0, 0};
+  int agreeing = 0;
+  for (const Neighbourhood::Sample& sample : samples) {
+    if (!(dot(sample.gradient, query.gradient) > kSameSheet)) continue;
+    for (int axis = 0; axis < 3; ++axis) sum[axis] += sample.position[axis] - query.position[axis];
+    ++agreeing;
+  }
+  if (agreeing == 0) return false;
+  for (int axis = 0; axis < 3; ++axis)
+    neighbour.offset[axis] = (sum[axis] / static_cast<float>(agreeing)) * scale[axis];
+  neighbour.distance = dot(neighbour.offset, neighbour.offset);
+  neighbour.index = samples.front().index;
+  return true;
 }
 
+/// The nearest neighbours; skips rows and voxels that are farther than those at hand.
 void find_neighbours(const Neighbourhood& near, const Query& query, const Scale& scale,
                      NearestList& nearest) {
+  static const RowOffsets rows;
+  const Gaps gaps(query, scale);
   const auto [x, y, z] = query.voxel;
-  for (int reach = kReach - 1; reach <= kReach; ++reach) {
-    nearest.clear();
-    for (int dz = -reach; dz <= reach; ++dz)
-      for (int dy = -reach; dy <= reach; ++dy)
-        offer_row(near.row(x - reach, x + reach, y + dy, z + dz), query, scale, nearest);
-    if (nearest.full() && nearest.entries().back().distance < covered(query, scale, reach)) return;
+  Neighbour neighbour;
+  nearest.clear();
+  for (const auto [dy, dz] : rows.offset) {
+    const float row_gap = gaps.square[1][dy + kReach] + gaps.square[2][dz + kReach];
+    if (nearest.excludes(row_gap) || near.row_is_empty(x, y + dy, z + dz)) continue;
+    for (int dx = -kReach; dx <= kReach; ++dx) {
+      const auto samples = near.voxel(x + dx, y + dy, z + dz);
+      if (samples.empty() || nearest.excludes(row_gap + gaps.square[0][dx + kReach])) continue;
+      if (make_neighbour(samples, query, scale, neighbour)) nearest.offer(neighbour);
+    }
   }
 }
 
