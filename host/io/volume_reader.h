@@ -17,10 +17,10 @@ namespace vasamesh {
 /// Which voxels of a volume are object. At most one of label, any_label and threshold may be set;
 /// with none, the volume must hold one value beside 0, and that one is the object.
 struct ReadOptions {
-  std::optional<std::int64_t> label;  ///< voxels of exactly this value
-  bool any_label = false;             ///< voxels of any value but 0
-  std::optional<double> threshold;    ///< voxels of this value or above
-  std::int64_t max_memory = 0;        ///< bytes that reading may hold; 0: the machine's memory
+  std::optional<std::int64_t> label{};  ///< voxels of exactly this value
+  bool any_label = false;               ///< voxels of any value but 0
+  std::optional<double> threshold{};    ///< voxels of this value or above
+  std::int64_t max_memory = 0;          ///< bytes that reading may hold; 0: the machine's memory
 };
 
 /// A binary segmentation and where it lies: one byte a voxel, 1 is object, i varies fastest.

@@ -1,0 +1,338 @@
+/// \file
+/// Volumes that must be refused: each with its code, its file, its reason and its remedy in one
+/// line, and nothing printed.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <numeric>
+
+#include "io/volume_reader.h"
+#include "support/itk_volumes.h"
+#include "support/scratch.h"
+#include "support/volume_files.h"
+#include "vasamesh/errors.h"
+
+namespace vasamesh {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr int kSide = 4;
+const std::string kPixels = std::string("\1\0\0\1", 4) + std::string(60, '\0');
+
+class BadVolume : public ::testing::Test {
+ protected:
+  /// Expects an error of one line that names the file and holds `reason` and `remedy`.
+  void expect_error(const std::string& path, ErrorCode code, const std::string& reason,
+                    const std::string& remedy, const ReadOptions& options = {}) {
+    testing::internal::CaptureStderr();
+    testing::internal::CaptureStdout();
+    try {
+      read_segmentation(path, options);
+      ADD_FAILURE() << path << " was read";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), code) << error.what();
+      EXPECT_THAT(error.what(), HasSubstr(reason));
+      EXPECT_THAT(error.what(), HasSubstr(remedy));
+      EXPECT_THAT(error.what(), HasSubstr(std::filesystem::path(path).stem().stem().string()));
+      EXPECT_THAT(error.what(), ::testing::Not(HasSubstr("\n")));
+    }
+    EXPECT_EQ(testing::internal::GetCapturedStdout(), "");
+    EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+  }
+
+  void expect_bad(const std::string& path, const std::string& reason, const std::string& remedy,
+                  const ReadOptions& options = {}) {
+    expect_error(path, ErrorCode::bad_input, reason, remedy, options);
+  }
+
+  std::string write(const std::string& name, const std::string& bytes) {
+    write_text(scratch_ / name, bytes);
+    return scratch_ / name;
+  }
+
+  std::string write_nifti(const nifti_1_header& header, const std::string& pixels = kPixels) {
+    return write("bad.nii", nifti_file(header, pixels));
+  }
+
+  template <class T>
+  std::string write_values(short datatype, const std::vector<T>& values) {
+    nifti_1_header header = nifti_header(static_cast<int>(values.size()), 1, 1);
+    header.datatype = datatype;
+    return write_nifti(header, bytes_of(values));
+  }
+
+  Scratch scratch_;
+  nifti_1_header header_ = nifti_header(kSide, kSide, kSide);
+};
+
+TEST_F(BadVolume, GoodOnesAreRead) {
+  EXPECT_NO_THROW(read_segmentation(write_nifti(header_)));
+  EXPECT_NO_THROW(read_segmentation(write("a.mha", meta_file(kSide, kSide, kSide, "", kPixels))));
+  EXPECT_NO_THROW(read_segmentation(
+      write("a.nrrd", nrrd_file(kSide, kSide, kSide, "encoding: raw\n", kPixels))));
+}
+
+TEST_F(BadVolume, NoSuchFileUnknownFormatEmptyOrGarbage) {
+  expect_bad(scratch_ / "absent.nii.gz", "no such file", "check the name");
+  expect_bad(write("bad.txt", "hello"), "unknown format", ".nii.gz");
+  for (const char* name : {"bad.nii", "bad.nii.gz", "bad.mha", "bad.nrrd"}) {
+    expect_bad(write(name, ""), "empty file", "whole copy");
+  }
+  expect_bad(write("bad.nii", "short"), "no NIfTI file", "check its format");
+  expect_bad(write("bad.nii", std::string(500, 'x')), "no NIfTI file", "check its format");
+  expect_bad(write("bad.nii.gz", std::string(500, 'x')), "corrupt", "whole copy");
+  expect_bad(write("bad.mha", std::string(500, 'x')), "header does not end", "whole copy");
+  expect_bad(write("bad.mha", "NDims = 3\nElementDataFile = LOCAL\n"), "not a 3D volume", "3D");
+  expect_bad(write("bad.nrrd", std::string(500, 'x')), "no NRRD file", "check its format");
+}
+
+TEST_F(BadVolume, FolderWithoutASeries) {
+  std::filesystem::create_directory(scratch_ / "folder");
+  expect_bad(scratch_ / "folder", "without a DICOM series", "give a file");
+  write_text(scratch_ / "folder/note.txt", "hello");
+  expect_bad(scratch_ / "folder", "without a DICOM series", "give a file");
+}
+
+TEST_F(BadVolume, TruncatedOrCorruptGzip) {
+  const std::string whole = gzip(nifti_file(header_, kPixels));
+  for (const std::size_t cut : {std::size_t{1}, std::size_t{5}, std::size_t{8}, whole.size() / 2}) {
+    expect_bad(write("bad.nii.gz", whole.substr(0, whole.size() - cut)), "truncated", "whole copy");
+  }
+  std::string checksum = whole;
+  checksum[whole.size() - 6] ^= 1;
+  expect_bad(write("bad.nii.gz", checksum), "corrupt", "whole copy");
+  std::string length = whole;
+  length[whole.size() - 2] ^= 1;
+  expect_bad(write("bad.nii.gz", length), "corrupt", "whole copy");
+}
+
+TEST_F(BadVolume, TruncatedCompressedMetaAndNrrd) {
+  const Geometry geometry{{kSide, kSide, kSide}, {1, 1, 1}, {0, 0, 0}, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+  const std::vector<std::uint8_t> pixels(kPixels.begin(), kPixels.end());
+  for (const char* name : {"bad.mha", "bad.nrrd"}) {
+    write_itk(scratch_ / name, geometry, pixels, true);
+    const std::string whole = read_text(scratch_ / name);
+    expect_bad(write(name, whole.substr(0, whole.size() - 2)), "truncated", "whole copy");
+    std::string checksum = whole;
+    checksum[whole.size() - 6] ^= 1;
+    EXPECT_THROW(read_segmentation(write(name, checksum)), Error);
+  }
+}
+
+TEST_F(BadVolume, FewerOrMoreVoxelsThanTheHeaderSays) {
+  const std::string few = kPixels.substr(0, 50);
+  const std::string many = kPixels + std::string(100'000, '\0');
+  for (const bool compressed : {false, true}) {
+    const auto pack = [&](const std::string& bytes) { return compressed ? gzip(bytes) : bytes; };
+    const std::string name = compressed ? "bad.nii.gz" : "bad.nii";
+    expect_bad(write(name, pack(nifti_file(header_, few))),
+               compressed ? "fewer voxels" : "more than", "whole copy");
+    expect_bad(write(name, pack(nifti_file(header_, many))), "more voxels", "write the volume");
+  }
+  expect_bad(write("bad.mha", meta_file(kSide, kSide, kSide, "", few)), "more than a file",
+             "whole copy");
+  expect_bad(write("bad.nrrd", nrrd_file(kSide, kSide, kSide, "encoding: raw\n", few)),
+             "more than a file", "whole copy");
+}
+
+TEST_F(BadVolume, TerabytesAreRefusedBeforeTheyAreAllocated) {
+  for (int i = 1; i <= 3; ++i) header_.dim[i] = 30'000;
+  expect_bad(write_nifti(header_), "27000000000000 voxels, more than a file", "whole copy");
+  expect_bad(write("bad.nii.gz", gzip(nifti_file(header_, kPixels))), "more than a file",
+             "whole copy");
+  expect_bad(write("bad.mha", meta_file(900'000, 900'000, 900'000, "", kPixels)),
+             "more than a file", "whole copy");
+  expect_bad(write("bad.nrrd", nrrd_file(900'000, 900'000, 900'000, "encoding: raw\n", kPixels)),
+             "more than a file", "whole copy");
+  expect_bad(write("bad.mha", meta_file(900'000'000, 900'000'000, 900'000'000, "", kPixels)),
+             "impossible", "write the volume");
+}
+
+TEST_F(BadVolume, MoreMemoryThanAllowed) {
+  expect_error(write_nifti(header_), ErrorCode::refused, "64 bytes of memory, 63 are allowed",
+               "--max-memory", {.max_memory = 63});
+  EXPECT_NO_THROW(read_segmentation(write_nifti(header_), {.max_memory = 64}));
+}
+
+TEST_F(BadVolume, NotThreeDimensional) {
+  nifti_1_header series = header_;
+  series.dim[0] = 4;
+  series.dim[4] = 3;
+  expect_bad(write_nifti(series, kPixels + kPixels + kPixels), "series of 3 volumes", "extract");
+  series.dim[0] = 5;
+  series.dim[4] = 1;
+  series.dim[5] = 3;
+  expect_bad(write_nifti(series, kPixels + kPixels + kPixels), "several components", "extract");
+  series.dim[0] = 1;
+  expect_bad(write_nifti(series), "not a 3D volume", "3D");
+  series.dim[0] = 3;
+  series.dim[2] = 0;
+  expect_bad(write_nifti(series), "below one voxel", "write the volume");
+  std::string meta = meta_file(kSide, kSide, kSide, "", kPixels);
+  meta.replace(meta.find("NDims = 3"), 9, "NDims = 4");
+  meta.replace(meta.find("4 4 4"), 5, "4 4 2 2");
+  expect_bad(write("bad.mha", meta), "series of 2 volumes", "extract");
+}
+
+TEST_F(BadVolume, ColoursAndVectors) {
+  header_.datatype = 128;
+  expect_bad(write_nifti(header_, kPixels + kPixels + kPixels), "not scalar", "label map");
+  expect_bad(write("bad.mha", meta_file(kSide, kSide, kSide, "ElementNumberOfChannels = 3\n",
+                                        kPixels + kPixels + kPixels)),
+             "3 components", "label map");
+  std::string layers = nrrd_file(
+      2, kSide, kSide, "kinds: list domain domain domain\nencoding: raw\n", kPixels + kPixels);
+  layers.replace(layers.find("dimension: 3"), 12, "dimension: 4");
+  layers.replace(layers.find("2 4 4"), 5, "2 4 4 4");
+  expect_bad(write("bad.seg.nrrd", layers), "2 components", "label map");
+}
+
+TEST_F(BadVolume, UnusualEncodings) {
+  expect_bad(write("bad.nrrd", nrrd_file(1, 1, 2, "encoding: ascii\n", "0 1\n")), "\"ascii\"",
+             "raw or gzip");
+  std::string text = meta_file(1, 1, 2, "", "0 1\n");
+  text.replace(text.find("BinaryData = True"), 17, "BinaryData = False");
+  expect_bad(write("bad.mha", text), "voxels are text", "binary");
+  std::string list = meta_file(1, 1, 2, "", "a.raw\nb.raw\n");
+  list.replace(list.find("LOCAL"), 5, "LIST");
+  expect_bad(write("bad.mhd", list), "several files", "one .mha file");
+  header_.sizeof_hdr = 540;
+  expect_bad(write_nifti(header_), "NIfTI-2", "NIfTI-1");
+}
+
+TEST_F(BadVolume, SpacingOfEveryBadKind) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double infinite = std::numeric_limits<double>::infinity();
+  for (const double spacing : {0.0, -0.75, nan, infinite}) {
+    nifti_1_header header = header_;
+    header.pixdim[3] = static_cast<float>(spacing);
+    expect_bad(write_nifti(header), "not a length above zero", "correct the spacing");
+  }
+  for (const char* spacing : {"0", "-1", "nan", "inf"}) {
+    const std::string three = "1 1 " + std::string(spacing) + "\n";
+    expect_bad(
+        write("bad.mha", meta_file(kSide, kSide, kSide, "ElementSpacing = " + three, kPixels)),
+        "not a length above zero", "correct the spacing");
+    expect_bad(write("bad.nrrd", nrrd_file(kSide, kSide, kSide,
+                                           "spacings: " + three + "encoding: raw\n", kPixels)),
+               "not a length above zero", "correct the spacing");
+  }
+  expect_bad(
+      write("bad.mha", meta_file(kSide, kSide, kSide, "ElementSpacing = 1e5 1e5 1e5\n", kPixels)),
+      "absurd", "mm");
+  expect_bad(write("bad.mha",
+                   meta_file(kSide, kSide, kSide, "ElementSpacing = 1e-7 1e-7 1e-7\n", kPixels)),
+             "absurd", "mm");
+  expect_bad(
+      write("bad.mha", meta_file(kSide, kSide, kSide, "ElementSpacing = 1 1 101\n", kPixels)),
+      "100-fold", "mm");
+}
+
+TEST_F(BadVolume, ShearedDirection) {
+  nifti_1_header header = header_;
+  header.srow_x[1] = 0.01f;
+  expect_bad(write_nifti(header), "sheared", "resample");
+  header.qform_code = 1;  // the qform cannot be sheared, and takes over
+  header.sform_code = 2;
+  EXPECT_NO_THROW(read_segmentation(write_nifti(header)));
+  expect_bad(write("bad.mha", meta_file(kSide, kSide, kSide,
+                                        "TransformMatrix = 1 0.01 0 0 1 0 0 0 1\n", kPixels)),
+             "sheared", "resample");
+  expect_bad(write("bad.nrrd",
+                   nrrd_file(kSide, kSide, kSide,
+                             "space: left-posterior-superior\nspace directions: (1,0,0) (0.01,1,0) "
+                             "(0,0,1)\nencoding: raw\n",
+                             kPixels)),
+             "sheared", "resample");
+}
+
+TEST_F(BadVolume, SformAgainstSpacing) {
+  header_.srow_z[2] = 1.5f;
+  expect_bad(write_nifti(header_), "disagree", "correct its header");
+}
+
+TEST_F(BadVolume, OriginThatIsNotFinite) {
+  header_.srow_y[3] = std::numeric_limits<float>::quiet_NaN();
+  expect_bad(write_nifti(header_), "origin is not finite", "correct the origin");
+}
+
+TEST_F(BadVolume, SeveralLabels) {
+  expect_bad(write_values<std::int16_t>(4, {0, 3, 1, 2}), "3 labels (1, 2, 3)",
+             "--label N, all with --label any");
+  std::vector<std::int16_t> many(40);
+  std::iota(many.begin(), many.end(), 0);
+  expect_bad(write_values(4, many), "39 labels (1, 2, 3, 4, 5, 6, 7, 8, 9, 10, ...)", "--label N");
+  expect_bad(write_values<std::int16_t>(4, {5, 7, 7}), "2 labels (5, 7)", "--label N");
+}
+
+TEST_F(BadVolume, GreyLevels) {
+  std::vector<std::int16_t> many(2000);
+  std::iota(many.begin(), many.end(), -1000);
+  expect_bad(write_values(4, many), "grey levels, values from -1000 to 999", "--threshold T");
+  expect_bad(write_values<float>(16, {0, 0.25f, 0.75f}), "grey levels, values from 0 to 0.75",
+             "--threshold T");
+}
+
+TEST_F(BadVolume, AbsentLabelAndEmptyForeground) {
+  expect_bad(write_values<std::int16_t>(4, {0, 3, 1}),
+             "label 2 is absent, it holds 2 labels (1, 3)", "choose one", {.label = 2});
+  expect_bad(write_values<std::uint8_t>(2, {0, 3, 1}), "label 300 is absent", "choose one",
+             {.label = 300});
+  const std::vector<std::uint8_t> blank{0, 0, 0};
+  expect_bad(write_values(2, blank), "nothing in the foreground", "with an object");
+  expect_bad(write_values(2, blank), "nothing in the foreground", "with an object", {.label = 1});
+  expect_bad(write_values(2, blank), "nothing in the foreground", "with an object",
+             {.any_label = true});
+  expect_bad(write_values<std::int16_t>(4, {-5, 3}),
+             "no voxel reaches the threshold 3.5, it holds "
+             "values from -5 to 3",
+             "lower", {.threshold = 3.5});
+}
+
+TEST_F(BadVolume, NanAndInfinity) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const float infinite = std::numeric_limits<float>::infinity();
+  const ReadOptions choices[] = {{}, {.label = 1}, {.any_label = true}, {.threshold = 0.5}};
+  for (const ReadOptions& choice : choices) {
+    expect_bad(write_values<float>(16, {0, 1, nan}), "holds NaN", "background", choice);
+    if (choice.threshold) continue;
+    expect_bad(write_values<float>(16, {0, 1, infinite}), "infinite", "--threshold T", choice);
+    expect_bad(write_values<double>(64, {0, -infinite, 0}), "infinite", "--threshold T", choice);
+  }
+}
+
+TEST_F(BadVolume, SelectionsThatExcludeEachOther) {
+  ReadOptions both{.label = 1};
+  both.threshold = 2;
+  try {
+    read_segmentation(write_nifti(header_), both);
+    ADD_FAILURE();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::usage);
+    EXPECT_THAT(error.what(), HasSubstr("--label and --threshold"));
+  }
+}
+
+TEST_F(BadVolume, OutputThatCannotBe) {
+  const Segmentation segmentation{{{1, 1, 1}, {1, 1, 1}, {}, {1, 0, 0, 0, 1, 0, 0, 0, 1}}, {1}};
+  const auto code = [&](const std::string& path) {
+    try {
+      write_segmentation(path, segmentation);
+    } catch (const Error& error) {
+      return error.code();
+    }
+    return ErrorCode::internal;
+  };
+  EXPECT_EQ(code(scratch_ / "a.vtp"), ErrorCode::usage);
+  EXPECT_EQ(code(scratch_ / "missing/a.nii"), ErrorCode::refused);
+  std::filesystem::create_directory(scratch_ / "a.nii");
+  EXPECT_EQ(code(scratch_ / "a.nii"), ErrorCode::refused);
+}
+
+}  // namespace
+}  // namespace vasamesh
