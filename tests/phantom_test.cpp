@@ -295,6 +295,11 @@ TEST(Options, OutOfRangeOrWithoutMeaningAreRefused) {
   EXPECT_EQ(code_of("sphere", spacing), ErrorCode::usage);
   spacing.spacing = {{1, 1, 1}};
   EXPECT_EQ(code_of("liver", spacing), ErrorCode::usage);
+  spacing.spacing = {{0.5, 20, 0.5}};
+  EXPECT_EQ(code_of("sphere", spacing), ErrorCode::usage);
+  size.size = {{24, 24, 24}};
+  size.radius = 12;
+  EXPECT_EQ(code_of("tree", size), ErrorCode::usage) << "no room for such a tree";
   radius.radius = std::nan("");
   EXPECT_EQ(code_of("helix", radius), ErrorCode::usage);
   radius.radius = 4;

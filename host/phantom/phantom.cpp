@@ -78,6 +78,11 @@ void validate_options(const Entry& entry, const PhantomOptions& options) {
       require_range(entry, "the size", static_cast<double>((*options.size)[a]), 24, 1024);
     if (options.spacing) require_range(entry, "the spacing", (*options.spacing)[a], 0.01, 100);
   }
+  if (options.spacing) {
+    const auto [least, largest] =
+        std::minmax_element(options.spacing->begin(), options.spacing->end());
+    require_range(entry, "the ratio of the spacings", *largest / *least, 1, 20);
+  }
   if (options.radius) require_range(entry, "the radius", *options.radius, 0.5, 32);
   if (options.exact_step != 0) require_range(entry, "the exact step", options.exact_step, 0.1, 1);
 }

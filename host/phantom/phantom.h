@@ -18,13 +18,16 @@ namespace vasamesh {
 
 /// What a phantom may be asked for. Unset fields take the phantom's own values.
 struct PhantomOptions {
-  std::uint64_t seed = 1;                           ///< of trees and of speckle
-  std::optional<std::array<std::int64_t, 3>> size;  ///< voxels, 24 to 1024 each; `tree`,
-                                                    ///< `full_box` and `speckle` only
-  std::optional<std::array<double, 3>> spacing;     ///< mm, 0.01 to 100; not for `cerebral`,
-                                                    ///< `liver`, `aorta`
+  std::uint64_t seed = 1;  ///< of trees and of speckle
+
+  /// Voxels, 24 to 1024 each; `tree`, `full_box` and `speckle` only.
+  std::optional<std::array<std::int64_t, 3>> size;
+
+  /// Mm, 0.01 to 100, largest / smallest at most 20; not for `cerebral`, `liver`, `aorta`.
+  std::optional<std::array<double, 3>> spacing;
+
   std::optional<double> radius;  ///< of the vessel, in voxels (geometric mean of the spacings),
-                                 ///< 0.5 to 32; shapes made of tubes and spheres only
+                                 ///< 0.5 to 32; tubes, spheres and `tree` (its tips) only
   bool exact = false;            ///< make the exact surface too, where one exists
   double exact_step = 0;         ///< sampling step of the exact surface, as a fraction of the
                                  ///< smallest spacing, 0.1 to 1; 0: the phantom's own

@@ -9,6 +9,7 @@
 #include "phantom/random.h"
 #include "phantom/recipe.h"
 #include "phantom/tree.h"
+#include "vasamesh/errors.h"
 
 namespace vasamesh {
 namespace {
@@ -84,6 +85,9 @@ Recipe tree_recipe(const PhantomOptions& options) {
   plan.bending = 1.6 * v;
   plan.bending_length = 30 * v;
   const Vec3 half = half_room(plan, lattice, ruler.radius + v);
+  if (half.minCoeff() < 2 * v)
+    throw Error(ErrorCode::usage,
+                "phantom 'tree': the vessels do not fit; give a larger size or a smaller radius");
   const bool cut = random.below(2) == 1;  // whether the root is cut by the border
   const double root = lattice.start[2] - (cut ? 3 * v : -5 * v);
   plan.trunks = {trunk({{0, 0, root}, {0, 0, -0.6 * half[2]}}, ruler.radius, ruler.radius)};
