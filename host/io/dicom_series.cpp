@@ -3,6 +3,8 @@
 /// orders them; the spacing between slices is measured from their positions, and must be even.
 
 #include <fmt/format.h>
+#include <gdcmImageHelper.h>
+#include <gdcmReader.h>
 #include <itkGDCMImageIO.h>
 #include <itkGDCMSeriesFileNames.h>
 
@@ -57,6 +59,24 @@ std::vector<std::string> series_files(const std::string& folder) {
   return names->GetFileNames(series.front());
 }
 
+// GDCM fills the end of a truncated slice with zeros in silence.
+void check_whole(const std::string& file) {
+  const gdcm::Tag pixels(0x7fe0, 0x0010);
+  gdcm::Reader reader;
+  reader.SetFileName(file.c_str());
+  if (!reader.ReadUpToTag(pixels, {pixels}) ||
+      reader.GetFile().GetHeader().GetDataSetTransferSyntax().IsEncapsulated()) {
+    return;
+  }
+  std::int64_t bytes = gdcm::ImageHelper::GetPixelFormatValue(reader.GetFile()).GetPixelSize();
+  for (const unsigned size : gdcm::ImageHelper::GetDimensionsValue(reader.GetFile())) {
+    bytes *= size;
+  }
+  if (file_size(file) - static_cast<std::int64_t>(reader.GetStreamCurrentPosition()) < bytes) {
+    throw_bad_input(file, "truncated", "get a whole copy of the series");
+  }
+}
+
 /// Pixels slice by slice, as float64: slices may differ in type, by their rescaling.
 class DicomPixels final : public PixelSource {
  public:
@@ -73,6 +93,7 @@ class DicomPixels final : public PixelSource {
 
  private:
   void read_file(const std::string& file, std::vector<double>& values) const {
+    check_whole(file);
     auto io = itk::GDCMImageIO::New();
     read_itk_header(file, *io);
     const PixelType type = itk_pixel_type(file, *io);
