@@ -28,7 +28,9 @@ std::vector<DeviceInfo> list_devices();
 /// What make_context is asked for.
 struct ContextOptions {
   std::string backend = "auto";   ///< "auto", "tbb" or "opencl"
-  std::string device;             ///< a number, a type or a part of the name; empty: the first
+  /// A number, a type (the first of it) or a part of one name; empty: what the environment variable
+  /// VASAMESH_DEVICE says, else the first of the backend. "auto" is oneTBB unless a device is named.
+  std::string device;
   int threads = 0;                ///< of the oneTBB backend; 0: the machine's
   void* task_arena = nullptr;     ///< a tbb::task_arena of the caller's to run in; threads ignored
 };
