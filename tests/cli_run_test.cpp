@@ -70,7 +70,8 @@ TEST(Check, ASurfaceOfAnotherSolidFails) {
 
 TEST(Check, ASurfaceHasNoDistanceToItself) {
   const Scratch folder;
-  run({"phantom", "sphere", "-o", folder / "sphere.nii.gz", "--surface", folder / "sphere.ply"});
+  run({"phantom", "sphere", "--radius", "4", "-o", folder / "sphere.nii.gz", "--surface",
+       folder / "sphere.ply"});
   const json report = json::parse(
       run({"check", folder / "sphere.ply", "--reference", folder / "sphere.ply", "--json"}));
   EXPECT_LT(report["distance"]["to"]["maximum_mm"], 1e-5);
@@ -142,7 +143,7 @@ TEST_F(Convert, TheBarIsForTerminalsAlone) {
   EXPECT_THAT(outcome.out, Not(HasSubstr("%  ")));
 }
 
-/// Signals that ask for the end.
+/// By signal, sent while the volume is read and while the stages run.
 class Interrupted : public testing::TestWithParam<int> {};
 
 TEST_P(Interrupted, ConversionLeavesTheOldFile) {
@@ -159,10 +160,7 @@ TEST_P(Interrupted, ConversionLeavesTheOldFile) {
   EXPECT_EQ(read_text(folder / "aorta.vtp"), "an old surface");
 }
 
-INSTANTIATE_TEST_SUITE_P(Signals, Interrupted, testing::Values(SIGINT, SIGTERM),
-                         [](const testing::TestParamInfo<int>& info) {
-                           return info.param == SIGINT ? "Interrupt" : "Terminate";
-                         });
+INSTANTIATE_TEST_SUITE_P(Signals, Interrupted, testing::Values(SIGINT, SIGTERM));
 
 }  // namespace
 }  // namespace vasamesh

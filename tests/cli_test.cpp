@@ -137,7 +137,7 @@ TEST_P(Faults, OneLineAndItsCode) {
   EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
   EXPECT_THAT(outcome.err, EndsWith("\n"));
   for (const std::string& part : GetParam().parts) EXPECT_THAT(outcome.err, HasSubstr(part));
-  if (GetParam().code != 4) EXPECT_EQ(outcome.out, "");
+  EXPECT_EQ(outcome.out.empty(), GetParam().code != 4);
   EXPECT_EQ(folder_.names(), before);
   EXPECT_EQ(read_text(folder_ / "old.vtp"), "an old surface");
 }

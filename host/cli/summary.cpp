@@ -44,8 +44,8 @@ void print_findings(const InputFindings& findings) {
   const char* title = "Found";
   for (const auto& [name, finding] : entries) {
     if (finding->count == 0) continue;
-    fmt::print("{:<10}{} {}, the first at voxel {}\n", std::exchange(title, ""), finding->count,
-               name, fmt::join(finding->place, " "));
+    fmt::print("{:<10}{}: {}, the first at voxel {}\n", std::exchange(title, ""), name,
+               finding->count, fmt::join(finding->place, " "));
   }
 }
 
