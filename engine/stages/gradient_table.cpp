@@ -31,7 +31,8 @@ Sum weigh(int offset, int fraction, double scale, double sigma) {
   const double distance = (offset + 0.5 - static_cast<double>(fraction) / kFractions) * scale;
   const double deviations = distance / sigma;
   if (std::fabs(deviations) > kCut) return {};
-  const double weight = exp_negative(0.5 * deviations * deviations);
+  const double weight =
+      exp_negative(0.5 * deviations * deviations) - exp_negative(0.5 * kCut * kCut);
   return {weight, weight * distance};
 }
 

@@ -41,7 +41,9 @@ struct GradientTable {
   }
 };
 
-/// \param sigma  standard deviation in voxel lengths; the weights end at three of them.
+/// Along each axis exp(-d^2 / 2 sigma^2) less its value at three sigma, where it ends: without the
+/// step a point between voxel centres feels no tilt.
+/// \param sigma  standard deviation in voxel lengths.
 GradientTable make_gradient_table(const Scale& scale, float sigma);
 
 /// A coordinate as floor and twenty-fourths. \pre position is at least 0.

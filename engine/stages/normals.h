@@ -39,7 +39,7 @@ inline constexpr float kTangentWeight = 0.5f;
 inline constexpr int kNeighbourReach = 3;
 
 /// Below this square a gradient is taken to vanish.
-inline constexpr float kNoGradient = 1e-12f;
+inline constexpr float kNoGradient = 1e-6f;
 
 /// Square of the sine by which a gradient may point against the faces behind its point; beyond it
 /// another vessel has drowned the point's own.

@@ -13,7 +13,7 @@
 namespace vasamesh {
 
 /// Samples of less thickness than this get the refined level.
-inline constexpr float kThinThickness = 0.75f;
+inline constexpr float kThinThickness = 0.5f;
 
 /// Levels, parents and unknown cells; no values yet. With parameters.depth one above the regular
 /// depth the refined level covers every sample.

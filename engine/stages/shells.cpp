@@ -82,7 +82,7 @@ std::vector<std::uint32_t> farthest_vertices(const TriangleMesh& mesh, const She
 
 bool inside_others(const TriangleMesh& mesh, const TriangleTree& tree, const Shells& shells,
                    std::uint32_t shell, const float* p) {
-  const Box ray{{p[0], p[1], p[2]}, {std::numeric_limits<float>::infinity(), p[1], p[2]}};
+  const Box ray{{p[0], p[1], p[2]}, {std::numeric_limits<float>::max(), p[1], p[2]}};
   bool odd = false;
   for_each_leaf(tree, ray, 0, [&](std::size_t leaf) {
     for (unsigned hits = meeting(tree.levels[0][leaf], ray); hits; hits &= hits - 1) {

@@ -125,6 +125,19 @@ std::vector<std::uint32_t> morton_order(Backend& backend, const TriangleMesh& me
 
 }  // namespace
 
+unsigned meeting(const BoxNode& node, const Box& box) {
+  float gap[8];  // the largest along the axes; in this form compilers do all eight at once
+  for (int i = 0; i < 8; ++i) {
+    const float x = std::max(node.low[0][i] - box.high[0], box.low[0] - node.high[0][i]);
+    const float y = std::max(node.low[1][i] - box.high[1], box.low[1] - node.high[1][i]);
+    const float z = std::max(node.low[2][i] - box.high[2], box.low[2] - node.high[2][i]);
+    gap[i] = std::max(std::max(x, y), z);
+  }
+  unsigned mask = 0;
+  for (int i = 0; i < 8; ++i) mask |= gap[i] <= 0 ? 1u << i : 0u;
+  return mask;
+}
+
 Box box_of(const BoxNode& node) {
   Box box = kNothing;
   for (int a = 0; a < 3; ++a)

@@ -38,17 +38,8 @@ struct TriangleTree {
 TriangleTree build_triangle_tree(Backend& backend, const TriangleMesh& mesh,
                                  const std::vector<std::uint8_t>& keep = {});
 
-/// Bit i is set when box i of the node meets `box`.
-inline unsigned meeting(const BoxNode& node, const Box& box) {
-  std::uint32_t hit[8];
-  for (int i = 0; i < 8; ++i)
-    hit[i] = (node.low[0][i] <= box.high[0]) & (node.high[0][i] >= box.low[0]) &
-             (node.low[1][i] <= box.high[1]) & (node.high[1][i] >= box.low[1]) &
-             (node.low[2][i] <= box.high[2]) & (node.high[2][i] >= box.low[2]);
-  unsigned mask = 0;
-  for (int i = 0; i < 8; ++i) mask |= hit[i] << i;
-  return mask;
-}
+/// Bit i is set when box i of the node meets `box`, which is finite.
+unsigned meeting(const BoxNode& node, const Box& box);
 
 /// The box round all eight.
 Box box_of(const BoxNode& node);

@@ -58,9 +58,15 @@ struct PointIndex {
   View<const std::uint32_t> voxel_start;
 };
 
-/// Knot distance of the splatting B-spline, in voxel lengths, by the thickness of the vessel.
+/// Knot distance of the splatting B-spline, in voxel lengths: `thin` up to a thickness of a
+/// quarter, `thick` from three quarters on, blended between.
 struct Kernel {
   float thin = 1, thick = 1;
+
+  float at(float thickness) const {
+    const float blend = 2.0f * thickness - 0.5f;
+    return thin + (thick - thin) * (blend < 0 ? 0.0f : blend > 1 ? 1.0f : blend);
+  }
 };
 
 inline PointView PointCloud::view() const {

@@ -18,23 +18,24 @@ constexpr std::size_t kGrain = 4;  // bricks a task takes
 struct AxisWeights {
   AxisWeights(float p, float width) {
     const float inverse = 1.0f / width;
-    float before = bspline((0.0f - p) * inverse);
-    first = 8;
-    last = 0;
-    for (int c = 0; c < 8; ++c) {
-      const float after = bspline((static_cast<float>(c + 1) - p) * inverse);
+    const float reach = 1.5f * width + 0.5f;
+    first = std::max(0, static_cast<int>(std::ceil(p - reach - 0.5f)));
+    last = std::min(8, static_cast<int>(std::floor(p + reach - 0.5f)) + 1);
+    float face[9];
+    for (int c = 0; c < 9; ++c) face[c] = bspline((static_cast<float>(c) - p) * inverse);
+    for (int c = 0; c < 8; ++c)
       value[c] = bspline((static_cast<float>(c) + 0.5f - p) * inverse) * inverse;
-      difference[c] = (after - before) * inverse;
-      before = after;
-      if (value[c] != 0 || difference[c] != 0) {
-        first = std::min(first, c);
-        last = c + 1;
-      }
-    }
+    for (int c = 0; c < 8; ++c) difference[c] = (face[c + 1] - face[c]) * inverse;
   }
   float value[8], difference[8];
   int first, last;
 };
+
+/// Whether the kernel of a point reaches a brick's 8 cells along an axis.
+bool reaches(float p, float width) {
+  const float reach = 1.5f * width + 0.5f;
+  return p > 0.5f - reach && p < 7.5f + reach;
+}
 
 /// Cells of fine bricks round a coarse cell, along one axis: brick (0..3 of `children`) and cell.
 struct FineCell {
@@ -82,11 +83,11 @@ void TbbBackend::poisson_splat(const LevelView& level, const PointIndex& index,
   }
   for_each(level.bricks.count, kGrain, [=](std::size_t brick) {
     const BrickCoord coord = level.bricks.coords[brick];
-    const int at[3] = {coord.x, coord.y, coord.z};
+    const int brick_at[3] = {coord.x, coord.y, coord.z};
     VoxelRange box[3];
     float corner[3];
     for (int i = 0; i < 3; ++i) {
-      const VoxelRange own = brick_voxels(level.exponent, at[i]);
+      const VoxelRange own = brick_voxels(level.exponent, brick_at[i]);
       const int low = ((own.first >> 3) - 1) * 8, high = low + 8 * index.side;
       box[i] = {std::max(own.first - reach[i], low), std::min(own.last + reach[i], high)};
       corner[i] = static_cast<float>(own.first);

@@ -12,12 +12,13 @@
 
 namespace vasamesh {
 
-/// Quadratic B-spline of unit knots, centred; its integral is one.
+/// Quadratic B-spline of unit knots, centred; its integral is one. Without branches, so that loops
+/// over it are vectorised.
 inline float bspline(float t) {
   const float a = std::fabs(t);
-  if (a < 0.5f) return 0.75f - t * t;
-  const float rest = 1.5f - a;
-  return rest > 0 ? 0.5f * (rest * rest) : 0.0f;
+  const float rest = std::max(1.5f - a, 0.0f);
+  const float inner = 0.75f - t * t, outer = 0.5f * (rest * rest);
+  return a < 0.5f ? inner : outer;
 }
 
 /// The voxels of a brick of a level, first to last + 1, along one axis.

@@ -86,15 +86,23 @@ float nearest_face_centre(const std::int32_t* near, const std::uint8_t* state, c
   return best;
 }
 
-/// Whether the label changes within `limit` of a node, by linear interpolation of the values.
-bool changes_near(const std::int32_t* near, const std::uint8_t* state, const float* values,
+/// Whether two nodes at this offset are joined by an edge of the lattice.
+bool is_edge(const Reach& o) {
+  const int least = std::min({o.x, o.y, o.z}), most = std::max({o.x, o.y, o.z});
+  return (least >= 0 && most == 1) || (most <= 0 && least == -1);
+}
+
+/// Whether the surface passes within `limit` of a node: it crosses an edge of the node there, or
+/// lies before a node there that has another label.
+bool surface_near(const std::int32_t* near, const std::uint8_t* state, const float* values,
                   std::size_t node, const int (&at)[3], const std::vector<Reach>& offsets,
                   float limit) {
   const float own = std::fabs(values[node]);
   for (const Reach& o : offsets) {
     const std::size_t other = node_at(near, at[0] + o.x, at[1] + o.y, at[2] + o.z);
     if (other == kNoNode || !((state[other] ^ state[node]) & kLabel)) continue;
-    if (o.length * own <= limit * (own + std::fabs(values[other]))) return true;
+    const float part = is_edge(o) ? own / (own + std::fabs(values[other])) : 1.0f;
+    if (o.length * part <= limit) return true;
   }
   return false;
 }
@@ -198,7 +206,7 @@ std::uint32_t TbbBackend::lattice_mark_far(const BrickView& bricks, const Scale&
       const std::uint8_t own = state[node];
       bool far = false;
       if (own & kFaceCentre) {
-        far = !changes_near(near, state.data(), values.data(), node, at, search, limit);
+        far = !surface_near(near, state.data(), values.data(), node, at, search, limit);
       } else if ((own & kLabel) != (own >> 1 & 1)) {
         // A relabelled node: the crossings of its edges. Only such nodes have far ones.
         for (std::size_t i = 0; i < kLink.size() && !far; ++i) {
