@@ -14,9 +14,10 @@ build=build/release
 tools=(g++ cmake ninja-build pkg-config)
 libraries=(libinsighttoolkit5-dev libvtk9-dev libtbb-dev ocl-icd-opencl-dev opencl-headers
   pocl-opencl-icd libeigen3-dev libnanoflann-dev libcli11-dev libfmt-dev libspdlog-dev
-  nlohmann-json3-dev zlib1g-dev)
-for_tests=(libgtest-dev libgmock-dev libbenchmark-dev libcgal-dev)
-packages=("${tools[@]}" "${libraries[@]}" "${for_tests[@]}")
+  nlohmann-json3-dev libcgal-dev zlib1g-dev)
+for_tests=(libgtest-dev libgmock-dev libbenchmark-dev)
+for_pictures=(xvfb xauth libgl1-mesa-dri)
+packages=("${tools[@]}" "${libraries[@]}" "${for_tests[@]}" "${for_pictures[@]}")
 
 usage() {
   sed -n '2,8s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"
