@@ -51,9 +51,13 @@ void check_writable(const std::string& path) {
   if (std::filesystem::is_directory(path, error)) {
     throw_refused(path, "a folder has this name", "choose another name");
   }
-  if (access(folder.c_str(), W_OK | X_OK) != 0) {
+  const std::string probe = temporary_name(path);
+  const int descriptor = open(probe.c_str(), O_WRONLY | O_CREAT | O_EXCL, 0600);
+  if (descriptor < 0) {
     throw_refused(path, "the folder " + folder + " is not writable", "choose another folder");
   }
+  close(descriptor);
+  unlink(probe.c_str());
 }
 
 AtomicFile::AtomicFile(const std::string& path) : path_(path), temporary_(temporary_name(path)) {

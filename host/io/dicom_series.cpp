@@ -68,11 +68,12 @@ void check_whole(const std::string& file) {
       reader.GetFile().GetHeader().GetDataSetTransferSyntax().IsEncapsulated()) {
     return;
   }
-  std::int64_t bytes = gdcm::ImageHelper::GetPixelFormatValue(reader.GetFile()).GetPixelSize();
+  double bytes = gdcm::ImageHelper::GetPixelFormatValue(reader.GetFile()).GetPixelSize();
   for (const unsigned size : gdcm::ImageHelper::GetDimensionsValue(reader.GetFile())) {
     bytes *= size;
   }
-  if (file_size(file) - static_cast<std::int64_t>(reader.GetStreamCurrentPosition()) < bytes) {
+  const auto begin = static_cast<std::int64_t>(reader.GetStreamCurrentPosition());
+  if (static_cast<double>(file_size(file) - begin) < bytes) {
     throw_bad_input(file, "truncated", "get a whole copy of the series");
   }
 }

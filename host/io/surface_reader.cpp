@@ -1,9 +1,9 @@
 #include <vtkCellArray.h>
 #include <vtkCellArrayIterator.h>
+#include <vtkLogger.h>
 #include <vtkNew.h>
 #include <vtkObjectFactory.h>
 #include <vtkOutputWindow.h>
-#include <vtkPLYReader.h>
 #include <vtkPolyData.h>
 #include <vtkPolyDataReader.h>
 #include <vtkSTLReader.h>
@@ -14,11 +14,14 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <string_view>
+#include <vector>
 
 #include "io/byte_stream.h"
 #include "io/file_ending.h"
 #include "io/io_error.h"
 #include "io/obj_reader.h"
+#include "io/ply_reader.h"
 #include "io/quiet.h"
 #include "io/surface_io.h"
 
@@ -30,8 +33,12 @@ class VtkMessages {
  public:
   VtkMessages() : previous_(vtkOutputWindow::GetInstance()) {
     vtkOutputWindow::SetInstance(window_);
+    vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_OFF);
   }
-  ~VtkMessages() { vtkOutputWindow::SetInstance(previous_); }
+  ~VtkMessages() {
+    vtkLogger::SetStderrVerbosity(verbosity_);
+    vtkOutputWindow::SetInstance(previous_);
+  }
   VtkMessages(const VtkMessages&) = delete;
   VtkMessages& operator=(const VtkMessages&) = delete;
   bool failed() const { return window_->failed; }
@@ -49,6 +56,7 @@ class VtkMessages {
   };
   vtkNew<Window> window_;
   vtkSmartPointer<vtkOutputWindow> previous_;
+  vtkLogger::Verbosity verbosity_ = vtkLogger::GetCurrentVerbosityCutoff();
 };
 
 template <class Reader, class Prepare>
@@ -68,9 +76,22 @@ vtkSmartPointer<vtkPolyData> run_reader(const std::string& path, const Prepare& 
 vtkSmartPointer<vtkPolyData> read_poly_data(const std::string& path, const std::string& ending) {
   const auto nothing = [](auto&) {};
   if (ending == ".vtp") return run_reader<vtkXMLPolyDataReader>(path, nothing);
-  if (ending == ".ply") return run_reader<vtkPLYReader>(path, nothing);
   if (ending == ".vtk") return run_reader<vtkPolyDataReader>(path, nothing);
   return run_reader<vtkSTLReader>(path, [](vtkSTLReader& reader) { reader.MergingOff(); });
+}
+
+// VTK reads as many triangles as it finds, whatever the number before them says.
+void check_stl(const std::string& path) {
+  constexpr std::int64_t kHeader = 84, kRecord = 50;
+  std::array<char, kHeader> head{};
+  ByteStream(path, 0, Encoding::raw).read(head.data(), head.size());
+  if (std::string_view(head.data(), 5) == "solid") return;
+  std::uint32_t count = 0;
+  std::memcpy(&count, head.data() + 80, sizeof(count));
+  if (file_size(path) < kHeader + kRecord * count) {
+    throw_bad_input(path, "truncated: it holds fewer triangles than it says",
+                    "get a whole copy of the file");
+  }
 }
 
 void copy_vertices(const std::string& path, vtkPolyData& data, TriangleMesh& mesh) {
@@ -179,8 +200,11 @@ TriangleMesh read_surface(const std::string& path) {
     throw_bad_input(path, "unknown format of a surface", "give .vtp, .stl, .ply, .obj or .vtk");
   }
   TriangleMesh mesh;
+  if (ending == ".stl") check_stl(path);
   if (ending == ".obj") {
     mesh = read_obj(path);
+  } else if (ending == ".ply") {
+    mesh = read_ply(path);
   } else {
     const vtkSmartPointer<vtkPolyData> data = read_poly_data(path, ending);
     copy_vertices(path, *data, mesh);

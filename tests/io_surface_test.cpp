@@ -1,0 +1,317 @@
+/// \file
+/// Surfaces out and in: the same float bits in every format, the space in the file, other programs'
+/// files, bad ones, and output that cannot be written.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <vtkFieldData.h>
+#include <vtkNew.h>
+#include <vtkPLYReader.h>
+#include <vtkPolyData.h>
+#include <vtkSTLReader.h>
+#include <vtkStringArray.h>
+#include <vtkXMLPolyDataReader.h>
+
+#include <bit>
+#include <cmath>
+#include <csignal>
+#include <cstring>
+#include <filesystem>
+#include <limits>
+#include <random>
+
+#include "io/atomic_file.h"
+#include "io/surface_io.h"
+#include "support/scratch.h"
+#include "vasamesh/errors.h"
+
+namespace vasamesh {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+constexpr const char* kFormats[] = {"a.vtp", "a.stl", "a.ply", "a.obj"};
+
+/// A strip of triangles over random vertices of awkward magnitudes, each vertex used.
+TriangleMesh random_mesh(std::size_t vertices) {
+  std::mt19937 random(17);
+  std::uniform_real_distribution<float> coordinate(-300, 300);
+  TriangleMesh mesh;
+  for (std::size_t i = 0; i < 3 * vertices; ++i) {
+    mesh.vertices.push_back(coordinate(random) * (i % 7 == 0 ? 1e-6f : 1.0f));
+  }
+  mesh.vertices[4] = std::numeric_limits<float>::denorm_min();
+  mesh.vertices[5] = -0.0f;
+  for (std::uint32_t i = 0; i + 2 < vertices; ++i) {
+    mesh.triangles.insert(mesh.triangles.end(), {i, i + 1 + i % 2, i + 2 - i % 2});
+  }
+  return mesh;
+}
+
+std::vector<std::uint32_t> bits(const std::vector<float>& values) {
+  std::vector<std::uint32_t> words(values.size());
+  std::memcpy(words.data(), values.data(), values.size() * sizeof(float));
+  return words;
+}
+
+/// The corners' coordinates, triangle by triangle.
+std::vector<float> corners(const TriangleMesh& mesh) {
+  std::vector<float> out;
+  for (const std::uint32_t corner : mesh.triangles) {
+    out.insert(out.end(), &mesh.vertices[3 * corner], &mesh.vertices[3 * corner] + 3);
+  }
+  return out;
+}
+
+TriangleMesh tetrahedron() {
+  return {{0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 2, 1, 0, 1, 3, 1, 2, 3, 0, 3, 2}};
+}
+
+class Surfaces : public ::testing::Test {
+ protected:
+  std::string write(const std::string& name, const std::string& bytes) {
+    write_text(scratch_ / name, bytes);
+    return scratch_ / name;
+  }
+
+  void expect_bad(const std::string& path, const std::string& reason) {
+    testing::internal::CaptureStderr();
+    testing::internal::CaptureStdout();
+    try {
+      read_surface(path);
+      ADD_FAILURE() << path << " was read";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::bad_input) << error.what();
+      EXPECT_THAT(error.what(), HasSubstr(reason));
+      EXPECT_THAT(error.what(), HasSubstr(path));
+      EXPECT_THAT(error.what(), ::testing::Not(HasSubstr("\n")));
+    }
+    EXPECT_EQ(testing::internal::GetCapturedStdout(), "");
+    EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+  }
+
+  Scratch scratch_;
+};
+
+TEST_F(Surfaces, TheSameBitsInEveryFormat) {
+  const TriangleMesh mesh = random_mesh(1237);
+  for (const char* name : kFormats) {
+    SCOPED_TRACE(name);
+    write_surface(scratch_ / name, mesh, Space::lps);
+    const TriangleMesh read = read_surface(scratch_ / name);
+    EXPECT_EQ(read.vertex_count(), mesh.vertex_count());
+    EXPECT_EQ(bits(corners(read)), bits(corners(mesh)));
+    if (std::string(name) == "a.stl") continue;  // has no indices of its own
+    EXPECT_EQ(bits(read.vertices), bits(mesh.vertices));
+    EXPECT_EQ(read.triangles, mesh.triangles);
+  }
+}
+
+TEST_F(Surfaces, StlVerticesAreMergedInOrderOfAppearance) {
+  write_surface(scratch_ / "a.stl", tetrahedron(), Space::lps);
+  const TriangleMesh read = read_surface(scratch_ / "a.stl");
+  EXPECT_EQ(read.vertices, (std::vector<float>{0, 0, 0, 0, 1, 0, 1, 0, 0, 0, 0, 1}));
+  EXPECT_EQ(read.triangles, (std::vector<std::uint32_t>{0, 1, 2, 0, 2, 3, 2, 1, 3, 0, 3, 1}));
+}
+
+TEST_F(Surfaces, TheSpaceIsInTheFile) {
+  const std::pair<Space, std::string> spaces[] = {
+      {Space::lps, "LPS"}, {Space::ras, "RAS"}, {Space::voxel, "VOXEL"}};
+  for (const auto& [space, name] : spaces) {
+    for (const char* file : kFormats) write_surface(scratch_ / file, tetrahedron(), space);
+    EXPECT_THAT(read_text(scratch_ / "a.stl").substr(0, 80), HasSubstr("SPACE=" + name));
+    EXPECT_THAT(read_text(scratch_ / "a.ply"), HasSubstr("comment SPACE=" + name + "\n"));
+    EXPECT_THAT(read_text(scratch_ / "a.obj"), HasSubstr("# SPACE=" + name + "\n"));
+    vtkNew<vtkXMLPolyDataReader> reader;
+    reader->SetFileName((scratch_ / "a.vtp").c_str());
+    reader->Update();
+    const auto* array = vtkStringArray::SafeDownCast(
+        reader->GetOutput()->GetFieldData()->GetAbstractArray("SPACE"));
+    ASSERT_NE(array, nullptr);
+    EXPECT_EQ(const_cast<vtkStringArray*>(array)->GetValue(0), name);
+  }
+}
+
+TEST_F(Surfaces, OtherProgramsReadThem) {
+  const TriangleMesh mesh = random_mesh(101);
+  write_surface(scratch_ / "a.stl", mesh, Space::lps);
+  write_surface(scratch_ / "a.ply", mesh, Space::lps);
+  vtkNew<vtkSTLReader> stl;
+  stl->SetFileName((scratch_ / "a.stl").c_str());
+  stl->Update();
+  EXPECT_EQ(stl->GetOutput()->GetNumberOfPolys(), 99);
+  vtkNew<vtkPLYReader> ply;
+  ply->SetFileName((scratch_ / "a.ply").c_str());
+  ply->Update();
+  EXPECT_EQ(ply->GetOutput()->GetNumberOfPolys(), 99);
+  EXPECT_EQ(ply->GetOutput()->GetNumberOfPoints(), 101);
+}
+
+TEST_F(Surfaces, FilesOfOtherPrograms) {
+  const std::string obj =
+      "# quads, normals and counting backwards\nvn 0 0 1\nv 0 0 0\nv 1 0 0 1\nv 1 1 0\nv 0 1 0\n"
+      "g one\nf 1//1 2//1 3//1 4//1\r\nv 0 0 1\nf -1/1 2 1/2/3\n";
+  const TriangleMesh quad = read_surface(write("a.obj", obj));
+  EXPECT_EQ(quad.vertex_count(), 5u);
+  EXPECT_EQ(quad.triangles, (std::vector<std::uint32_t>{0, 1, 2, 0, 2, 3, 4, 1, 0}));
+
+  const std::string vtk =
+      "# vtk DataFile Version 3.0\nx\nASCII\nDATASET POLYDATA\nPOINTS 5 double\n"
+      "0 0 0 1 0 0 1 1 0 0 1 0 2 2 2\nPOLYGONS 1 5\n4 0 1 2 3\nTRIANGLE_STRIPS 1 5\n4 0 1 3 4\n";
+  EXPECT_EQ(read_surface(write("a.vtk", vtk)).triangles,
+            (std::vector<std::uint32_t>{0, 1, 2, 0, 2, 3, 0, 1, 3, 1, 4, 3}));
+
+  const std::string ply =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+      "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+      "0 0 0\n1 0 0\n0 1 0\n3 2 0 1\n";
+  EXPECT_EQ(read_surface(write("a.ply", ply)).triangles, (std::vector<std::uint32_t>{2, 0, 1}));
+
+  std::string big =
+      "ply\nformat binary_big_endian 1.0\nelement junk 2\nproperty list uchar short more\n"
+      "element vertex 3\nproperty uchar red\nproperty double y\nproperty float x\nproperty int z\n"
+      "element face 1\nproperty uchar red\nproperty list ushort uchar vertex_index\nend_header\n";
+  big += std::string("\0\1\0\7", 4);
+  for (int i = 0; i < 3; ++i) big += std::string("r\x40\0\0\0\0\0\0\0\xbf\x80\0\0\0\0\1\0", 17);
+  big += std::string("r\0\3\2\0\1", 6);
+  const TriangleMesh mesh = read_surface(write("b.ply", big));
+  EXPECT_EQ(mesh.vertices, (std::vector<float>{-1, 2, 256, -1, 2, 256, -1, 2, 256}));
+  EXPECT_EQ(mesh.triangles, (std::vector<std::uint32_t>{2, 0, 1}));
+
+  const std::string stl =
+      "solid x\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n"
+      "endloop\nendfacet\nendsolid x\n";
+  EXPECT_EQ(read_surface(write("a.stl", stl)).vertex_count(), 3u);
+}
+
+TEST_F(Surfaces, BadFiles) {
+  expect_bad(scratch_ / "absent.ply", "no such file");
+  expect_bad(write("a.txt", "hello"), "unknown format of a surface");
+  for (const char* name : {"a.vtp", "a.stl", "a.ply", "a.obj", "a.vtk"}) {
+    SCOPED_TRACE(name);
+    expect_bad(write(name, ""), "empty file");
+    EXPECT_THROW(read_surface(write(name, "neither fish nor fowl\n")), Error);
+  }
+  write_surface(scratch_ / "a.obj", {{0, 0, 0}, {}}, Space::lps);
+  expect_bad(scratch_ / "a.obj", "no triangles");
+  expect_bad(write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n"), "index is out of range");
+  expect_bad(write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 -4\n"), "line 4");
+  expect_bad(write("a.obj", "v 0 0 zero\n"), "line 1");
+}
+
+TEST_F(Surfaces, IndicesOutOfRange) {
+  TriangleMesh mesh = tetrahedron();
+  for (const std::uint32_t index : {4u, 1'000'000'000u, 0x7fffffffu, 0xffffffffu}) {
+    mesh.triangles[4] = index;
+    for (const char* name : {"a.vtp", "a.ply", "a.obj"}) {
+      SCOPED_TRACE(name);
+      write_surface(scratch_ / name, mesh, Space::lps);
+      EXPECT_THROW(read_surface(scratch_ / name), Error);
+    }
+  }
+  mesh.triangles[4] = 4;
+  write_surface(scratch_ / "a.ply", mesh, Space::lps);
+  expect_bad(scratch_ / "a.ply", "index is out of range");
+}
+
+TEST_F(Surfaces, CoordinatesThatAreNotFinite) {
+  for (const float value : {std::nanf(""), INFINITY}) {
+    TriangleMesh mesh = tetrahedron();
+    mesh.vertices[7] = value;
+    for (const char* name : kFormats) {
+      SCOPED_TRACE(name);
+      write_surface(scratch_ / name, mesh, Space::lps);
+      expect_bad(scratch_ / name, "not finite");
+    }
+  }
+}
+
+TEST_F(Surfaces, TruncatedFiles) {
+  const TriangleMesh mesh = random_mesh(300);
+  for (const char* name : {"a.vtp", "a.stl", "a.ply"}) {
+    SCOPED_TRACE(name);
+    write_surface(scratch_ / name, mesh, Space::lps);
+    const std::string whole = read_text(scratch_ / name);
+    expect_bad(write(name, whole.substr(0, whole.size() / 2)), "truncated");
+  }
+}
+
+ErrorCode code_of(const std::string& path) {
+  try {
+    check_output_path(path);
+  } catch (const Error& error) {
+    return error.code();
+  }
+  return ErrorCode{0};
+}
+
+TEST_F(Surfaces, OutputIsCheckedBeforeAnyWork) {
+  EXPECT_EQ(code_of(scratch_ / "a.vtp"), ErrorCode{0});
+  EXPECT_EQ(code_of(scratch_ / "a.STL"), ErrorCode{0});
+  EXPECT_EQ(code_of(scratch_ / "a.xyz"), ErrorCode::usage);
+  EXPECT_EQ(code_of(scratch_ / "noending"), ErrorCode::usage);
+  EXPECT_EQ(code_of(scratch_ / "missing/a.vtp"), ErrorCode::refused);
+  std::filesystem::create_directory(scratch_ / "folder.vtp");
+  EXPECT_EQ(code_of(scratch_ / "folder.vtp"), ErrorCode::refused);
+  EXPECT_THAT(scratch_.names(), ElementsAre("folder.vtp"));
+  EXPECT_EQ(code_of("/proc/a.vtp"), ErrorCode::refused);
+}
+
+/// Files cannot grow past `bytes` while the object lives: a full disk.
+class FullDisk {
+ public:
+  explicit FullDisk(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
+    getrlimit(RLIMIT_FSIZE, &limit_);
+    const rlimit full{bytes, limit_.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &full);
+  }
+  ~FullDisk() {
+    setrlimit(RLIMIT_FSIZE, &limit_);
+    std::signal(SIGXFSZ, handler_);
+  }
+
+ private:
+  rlimit limit_{};
+  void (*handler_)(int);
+};
+
+TEST_F(Surfaces, AFullDiskLeavesTheOldFile) {
+  const TriangleMesh mesh = random_mesh(5000);
+  for (const char* name : kFormats) {
+    SCOPED_TRACE(name);
+    write(name, "old");
+    {
+      const FullDisk full(10'000);
+      try {
+        write_surface(scratch_ / name, mesh, Space::lps);
+        ADD_FAILURE();
+      } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ErrorCode::refused);
+        EXPECT_THAT(error.what(), HasSubstr("make room"));
+      }
+    }
+    EXPECT_EQ(read_text(scratch_ / name), "old");
+  }
+  EXPECT_EQ(scratch_.names().size(), std::size(kFormats));
+}
+
+TEST_F(Surfaces, AFileAppearsOnlyWhenItIsCommitted) {
+  write("a.vtp", "old");
+  {
+    AtomicFile file(scratch_ / "a.vtp");
+    write_text(file.temporary(), "half");
+    EXPECT_EQ(std::filesystem::path(file.temporary()).parent_path().string() + "/", scratch_ / "");
+    EXPECT_TRUE(file.temporary().ends_with(".vtp"));
+    EXPECT_EQ(scratch_.names().size(), 2u);
+  }
+  EXPECT_EQ(read_text(scratch_ / "a.vtp"), "old");
+  EXPECT_EQ(scratch_.names().size(), 1u);
+  write_file(scratch_ / "a.vtp", "new");
+  EXPECT_EQ(read_text(scratch_ / "a.vtp"), "new");
+  EXPECT_EQ(scratch_.names().size(), 1u);
+}
+
+}  // namespace
+}  // namespace vasamesh
