@@ -1,6 +1,7 @@
 #include "stages/intersect.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 
@@ -79,20 +80,24 @@ bool same_side(double x, double y, double error) {
   return (x > error && y > error) || (x < -error && y < -error);
 }
 
+/// Whether the plane through the origin across `axis` lies between a, b and c, d, touching none.
+bool divides(const Vec& axis, const Vec& a, const Vec& b, const Vec& c, const Vec& d, double m) {
+  const double error = kDotError * (std::abs(axis.x) + std::abs(axis.y) + std::abs(axis.z)) * m;
+  return dot(axis, a) > error && dot(axis, b) > error && dot(axis, c) < -error &&
+         dot(axis, d) < -error;
+}
+
 /// Whether the triangles (v, p0, p1) and (v, q0, q1) certainly meet in v alone.
 bool certainly_meet_in_vertex(const float* v, const float* const (&p)[2],
                               const float* const (&q)[2]) {
   const Vec a = relative(p[0], v), b = relative(p[1], v);
   const Vec c = relative(q[0], v), d = relative(q[1], v);
   const double m = std::max({largest(a), largest(b), largest(c), largest(d)});
+  if (divides((a + b) - (c + d), a, b, c, d, m)) return true;
   const double error = kDetError * m * m * m;
   const Vec n = cross(a, b), o = cross(c, d);
-  if (same_side(dot(n, c), dot(n, d), error) || same_side(dot(o, a), dot(o, b), error)) return true;
-  const Vec axis = (unit(a) + unit(b)) - (unit(c) + unit(d));
-  const double side_error =
-      2 * kDotError * (std::abs(axis.x) + std::abs(axis.y) + std::abs(axis.z)) * m;
-  return dot(axis, a) > side_error && dot(axis, b) > side_error && dot(axis, c) < -side_error &&
-         dot(axis, d) < -side_error;
+  return same_side(dot(n, c), dot(n, d), error) || same_side(dot(o, a), dot(o, b), error) ||
+         divides((unit(a) + unit(b)) - (unit(c) + unit(d)), a, b, c, d, m);
 }
 
 /// Whether the triangles (u, v, p) and (v, u, q) are certainly not folded onto each other.
@@ -177,24 +182,46 @@ bool meet_beyond_edge(const Corners& a, const float* other) {
   return orient2d(a[0], a[1], other, axis) == orient2d(a[0], a[1], a[2], axis);
 }
 
-/// Common vertices of two triangles: `a` and `b` give the corners of each, common ones first.
-int match_corners(const std::uint32_t* p, const std::uint32_t* q, int (&a)[3], int (&b)[3]) {
-  int common = 0, rest_a = 2;
-  bool used[3] = {};
-  for (int i = 0; i < 3; ++i) {
-    int j = 0;
-    while (j < 3 && (used[j] || p[i] != q[j])) ++j;
-    if (j == 3) {
-      a[rest_a--] = i;
-      continue;
+/// How the corners of two triangles pair up: `a` and `b` list the corners of each, common ones
+/// first and in the same order.
+struct Match {
+  std::int8_t common = 0;
+  std::int8_t a[3]{}, b[3]{};
+};
+
+/// \param equal  bit 3 i + j is set when corner i of the one is corner j of the other.
+constexpr Match make_match(unsigned equal) {
+  Match match;
+  unsigned left_a = 7, left_b = 7;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) {
+      if (!(equal >> (3 * i + j) & 1) || !(left_a >> i & 1) || !(left_b >> j & 1)) continue;
+      left_a &= ~(1u << i);
+      left_b &= ~(1u << j);
+      match.a[match.common] = static_cast<std::int8_t>(i);
+      match.b[match.common++] = static_cast<std::int8_t>(j);
     }
-    used[j] = true;
-    a[common] = i;
-    b[common++] = j;
+  int next_a = match.common, next_b = match.common;
+  for (std::int8_t i = 0; i < 3; ++i) {
+    if (left_a >> i & 1) match.a[next_a++] = i;
+    if (left_b >> i & 1) match.b[next_b++] = i;
   }
-  for (int j = 0, next = common; j < 3; ++j)
-    if (!used[j]) b[next++] = j;
-  return common;
+  return match;
+}
+
+constexpr std::array<Match, 512> make_matches() {
+  std::array<Match, 512> matches;
+  for (unsigned equal = 0; equal < 512; ++equal) matches[equal] = make_match(equal);
+  return matches;
+}
+
+/// Without a branch: which corners are common is as good as random to a processor.
+const Match& match_corners(const std::uint32_t* p, const std::uint32_t* q) {
+  static constexpr std::array<Match, 512> kMatches = make_matches();
+  unsigned equal = 0;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) equal |= static_cast<unsigned>(p[i] == q[j]) << (3 * i + j);
+  return kMatches[equal];
 }
 
 std::vector<TrianglePair> pairs_of_leaf(const TriangleMesh& mesh, const TriangleTree& tree,
@@ -221,12 +248,11 @@ std::vector<TrianglePair> pairs_of_leaf(const TriangleMesh& mesh, const Triangle
 bool triangles_intersect(const TriangleMesh& mesh, std::uint32_t a, std::uint32_t b) {
   const std::uint32_t* p = mesh.triangles.data() + 3 * std::size_t{a};
   const std::uint32_t* q = mesh.triangles.data() + 3 * std::size_t{b};
-  int i[3], j[3];
-  const int common = match_corners(p, q, i, j);
+  const Match& match = match_corners(p, q);
   const auto at = [&](std::uint32_t v) { return mesh.vertices.data() + 3 * std::size_t{v}; };
-  const Corners s = {at(p[i[0]]), at(p[i[1]]), at(p[i[2]])};
-  const Corners t = {at(q[j[0]]), at(q[j[1]]), at(q[j[2]])};
-  switch (common) {
+  const Corners s = {at(p[match.a[0]]), at(p[match.a[1]]), at(p[match.a[2]])};
+  const Corners t = {at(q[match.b[0]]), at(q[match.b[1]]), at(q[match.b[2]])};
+  switch (match.common) {
     case 0:
       return disjoint_meet(s, t);
     case 1:

@@ -20,7 +20,7 @@ constexpr std::array<float, 7> kRepairRadius = {3, 3, 4, 4, 5, 6, 8};
 constexpr float kLeastValue = 0.02f;
 
 /// Part of the distance limit that the labels may use; the rest is for the surface between.
-constexpr float kDistanceShare = 0.88f;
+constexpr float kDistanceShare = 0.8f;
 
 /// Whether two neighbours in a node's link are joined.
 bool joined(const NodeOffset& a, const NodeOffset& b) {

@@ -32,8 +32,8 @@ inline constexpr float kGradientSigma = 1.5f;
 /// Least cosine between the gradients of two points of one sheet.
 inline constexpr float kSameSheet = 0.5f;
 
-/// tau, in squared voxel lengths: about half of what ten neighbours spread along the surface.
-inline constexpr float kTangentWeight = 0.5f;
+/// tau, in squared voxel lengths: about what ten neighbours spread along the surface.
+inline constexpr float kTangentWeight = 0.8f;
 
 /// Neighbours are looked for in the (2 r + 1)^3 voxels round a point's own.
 inline constexpr int kNeighbourReach = 3;
