@@ -111,7 +111,8 @@ class Backend : public Memory {
   /// and its k nearest neighbours, with the tangent plane of the point's gradient added
   /// (engine/stages/normals.h), oriented by that gradient. A neighbour is a voxel's samples whose
   /// gradient agrees with the point's, at their mean, within kNeighbourReach voxels; ties by the
-  /// index of the voxel's first sample. k is 3 to 64.
+  /// index of the voxel's first sample. The gradient where that points against the point's faces.
+  /// k is 3 to 64.
   virtual void normals_covariance(const PointView& points, const BrickView& bricks,
                                   View<const std::uint32_t> voxel_start, const Scale& scale, int k,
                                   std::array<View<const float>, 3> gradients,

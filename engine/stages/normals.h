@@ -41,7 +41,7 @@ inline constexpr int kNeighbourReach = 3;
 /// Below this square a gradient is taken to vanish.
 inline constexpr float kNoGradient = 1e-6f;
 
-/// Square of the sine by which a gradient may point against the faces behind its point; beyond it
+/// Square of the sine by which a normal may point against the faces behind its point; beyond it
 /// another vessel has drowned the point's own.
 inline constexpr float kAgainstFaces = 0.0625f;
 

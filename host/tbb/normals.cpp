@@ -71,20 +71,23 @@ Vec occupancy_gradient(const BitView& object, const GradientTable& table, const 
   return sum;
 }
 
+/// True when a unit vector points against the faces behind its point.
+bool is_against(const Vec& outward, const Vec& area) {
+  const float along = dot(outward, area);
+  return along < 0.0f && along * along > kAgainstFaces * dot(area, area);
+}
+
 /// Unit vector out of the object; \see Backend::normals_gradient.
 Vec outward_gradient(const BitView& object, const GradientTable& wide, const GradientTable& narrow,
                      const Vec& position, const Vec& area) {
-  const float area_square = dot(area, area);
   for (const GradientTable* table : {&wide, &narrow}) {
     const Vec inward = occupancy_gradient(object, *table, position);
     const float square = dot(inward, inward);
     if (square < kNoGradient) continue;
-    const float length = std::sqrt(square);
-    const float against = dot(inward, area) / length;
-    if (against < 0.0f || against * against < kAgainstFaces * area_square)
-      return divided(inward, -length);
+    const Vec outward = divided(inward, -std::sqrt(square));
+    if (!is_against(outward, area)) return outward;
   }
-  return divided(area, std::sqrt(area_square));
+  return divided(area, std::sqrt(dot(area, area)));
 }
 
 // --- Covariance. -------------------------------------------------------------------------------
@@ -273,8 +276,8 @@ Symmetric tangent_plane(const Vec& g, float weight) {
           weight * (1.0f - g[1] * g[1]), -weight * (g[1] * g[2]), weight * (1.0f - g[2] * g[2])};
 }
 
-/// The normal of the plane through the neighbours.
-Vec plane_normal(std::span<const Neighbour> neighbours, const Vec& gradient) {
+/// The normal of the plane through the neighbours; the gradient where that is against the faces.
+Vec plane_normal(std::span<const Neighbour> neighbours, const Vec& gradient, const Vec& area) {
   const auto count = static_cast<float>(neighbours.size());
   Vec mean{0, 0, 0};
   for (const Neighbour& n : neighbours)
@@ -287,7 +290,8 @@ Vec plane_normal(std::span<const Neighbour> neighbours, const Vec& gradient) {
   const Eigen3 eigen = eigen_symmetric(c.xx, c.xy, c.xz, c.yy, c.yz, c.zz);
   const Vec& v = eigen.vector[0];
   const float length = std::sqrt(dot(v, v));
-  return divided(v, dot(v, gradient) < 0.0f ? -length : length);
+  const Vec normal = divided(v, dot(v, gradient) < 0.0f ? -length : length);
+  return is_against(normal, area) ? gradient : normal;
 }
 
 }  // namespace
@@ -318,7 +322,7 @@ void TbbBackend::normals_covariance(const PointView& points, const BrickView& br
                           {voxel & 7, voxel >> 3 & 7, voxel >> 6},
                           {8 * at.x, 8 * at.y, 8 * at.z}};
         find_neighbours(near, query, scale, nearest);
-        store(normals, i, plane_normal(nearest.entries(), query.gradient));
+        store(normals, i, plane_normal(nearest.entries(), query.gradient, load(points.area, i)));
       }
     }
   };
