@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <utility>
 
 #include "stages/predicates.h"
 
@@ -224,24 +225,62 @@ const Match& match_corners(const std::uint32_t* p, const std::uint32_t* q) {
   return kMatches[equal];
 }
 
-std::vector<TrianglePair> pairs_of_leaf(const TriangleMesh& mesh, const TriangleTree& tree,
-                                        std::size_t leaf) {
-  std::vector<TrianglePair> pairs;
-  const BoxNode& node = tree.levels[0][leaf];
-  const std::size_t count = std::min<std::size_t>(8, tree.order.size() - 8 * leaf);
-  for_each_leaf(tree, box_of(node), leaf, [&](std::size_t other) {
+bool before(const TrianglePair& a, const TrianglePair& b) {
+  return a.first != b.first ? a.first < b.first : a.second < b.second;
+}
+
+/// The lowest pairs, in order.
+void keep_lowest(std::vector<TrianglePair>& pairs) {
+  std::sort(pairs.begin(), pairs.end(), before);
+  if (pairs.size() > Intersections::kMostListed) pairs.resize(Intersections::kMostListed);
+}
+
+/// What one task finds.
+class Search {
+ public:
+  Search(const TriangleMesh& mesh, const TriangleTree& tree) : mesh_(mesh), tree_(tree) {}
+
+  Intersections found;
+
+  /// The pairs of a leaf's triangles with those of itself and of later leaves.
+  void search_leaf(std::size_t leaf) {
+    size_ = 0;
+    const BoxNode& node = tree_.levels[0][leaf];
+    for_each_leaf(tree_, box_of(node), leaf, [&](std::size_t other) { collect(leaf, other); });
+    for (std::size_t i = 0; i < size_; ++i) {
+      const auto [a, b] = candidates_[i];
+      if (!triangles_intersect(mesh_, a, b)) continue;
+      ++found.count;
+      found.pairs.push_back({std::min(a, b), std::max(a, b)});
+    }
+    if (found.pairs.size() > 4 * Intersections::kMostListed) keep_lowest(found.pairs);
+  }
+
+ private:
+  /// Appends the pairs whose boxes meet. All eight are written and those that count are kept: a
+  /// branch on each would be mispredicted more often than not.
+  void collect(std::size_t leaf, std::size_t other) {
+    const BoxNode& node = tree_.levels[0][leaf];
+    std::uint32_t others[8];
+    for (std::size_t j = 0; j < 8; ++j)
+      others[j] = tree_.order[std::min(8 * other + j, tree_.order.size() - 1)];
+    if (candidates_.size() < size_ + 72) candidates_.resize(2 * size_ + 72);
+    const std::size_t count = std::min<std::size_t>(8, tree_.order.size() - 8 * leaf);
     for (std::size_t i = 0; i < count; ++i) {
-      unsigned hits = meeting(tree.levels[0][other], box_of(node, static_cast<int>(i)));
+      unsigned hits = meeting(tree_.levels[0][other], box_of(node, static_cast<int>(i)));
       if (other == leaf) hits &= ~((2u << i) - 1);
-      for (; hits; hits &= hits - 1) {
-        const std::uint32_t a = tree.order[8 * leaf + i];
-        const std::uint32_t b = tree.order[8 * other + std::countr_zero(hits)];
-        if (triangles_intersect(mesh, a, b)) pairs.push_back({std::min(a, b), std::max(a, b)});
+      for (int j = 0; j < 8; ++j) {
+        candidates_[size_] = {tree_.order[8 * leaf + i], others[j]};
+        size_ += hits >> j & 1;
       }
     }
-  });
-  return pairs;
-}
+  }
+
+  const TriangleMesh& mesh_;
+  const TriangleTree& tree_;
+  std::vector<TrianglePair> candidates_;
+  std::size_t size_ = 0;  // of the candidates
+};
 
 }  // namespace
 
@@ -269,22 +308,18 @@ Intersections find_intersections(Backend& backend, const TriangleMesh& mesh,
   Intersections result;
   if (tree.empty()) return result;
   const std::size_t leaves = tree.levels[0].size();
-  std::vector<std::vector<TrianglePair>> parts((leaves + kLeaves - 1) / kLeaves);
+  std::vector<Intersections> parts((leaves + kLeaves - 1) / kLeaves);
   backend.run(parts.size(), [&](std::size_t part) {
-    for (std::size_t leaf = part * kLeaves; leaf < std::min((part + 1) * kLeaves, leaves); ++leaf) {
-      const auto pairs = pairs_of_leaf(mesh, tree, leaf);
-      parts[part].insert(parts[part].end(), pairs.begin(), pairs.end());
-    }
+    Search search(mesh, tree);
+    for (std::size_t leaf = part * kLeaves; leaf < std::min((part + 1) * kLeaves, leaves); ++leaf)
+      search.search_leaf(leaf);
+    parts[part] = std::move(search.found);
   });
-  for (const auto& part : parts) {
-    result.count += static_cast<std::int64_t>(part.size());
-    result.pairs.insert(result.pairs.end(), part.begin(), part.end());
+  for (const Intersections& part : parts) {
+    result.count += part.count;
+    result.pairs.insert(result.pairs.end(), part.pairs.begin(), part.pairs.end());
   }
-  std::sort(result.pairs.begin(), result.pairs.end(), [](const auto& a, const auto& b) {
-    return a.first != b.first ? a.first < b.first : a.second < b.second;
-  });
-  if (result.pairs.size() > Intersections::kMostListed)
-    result.pairs.resize(Intersections::kMostListed);
+  keep_lowest(result.pairs);
   return result;
 }
 

@@ -145,13 +145,18 @@ CheckReport check_surface(Backend& backend, const TriangleMesh& mesh, const Soli
     report.nonfinite_vertices += !finite(mesh, v);
 
   const std::vector<std::uint8_t> states = triangle_states(backend, mesh, report);
-  const ManifoldCounts manifold = count_manifold(backend, mesh, vertex_corners(mesh));
-  take(manifold, report);
-
-  const TriangleTree tree = build_triangle_tree(backend, mesh, at_least(states, kWhole));
-  report.intersecting_pairs = find_intersections(backend, mesh, tree).count;
-
-  Shells shells = find_shells(mesh, at_least(states, kUnusable), manifold);
+  Shells shells;
+  TriangleTree tree;
+  backend.run(2, [&](std::size_t half) {  // each half has work of one thread alone
+    if (half == 0) {
+      const ManifoldCounts manifold = count_manifold(backend, mesh, vertex_corners(mesh));
+      take(manifold, report);
+      shells = find_shells(mesh, at_least(states, kUnusable), manifold);
+    } else {
+      tree = build_triangle_tree(backend, mesh, at_least(states, kWhole));
+      report.intersecting_pairs = find_intersections(backend, mesh, tree).count;
+    }
+  });
   find_nesting(backend, mesh, tree, shells);
   take(shells, report);
   if (wanted) {
