@@ -175,19 +175,26 @@ std::vector<Topology> count_cells_by_piece(const DenseVolume& volume, int connec
   return result;
 }
 
-Topology count_lattice(const DenseVolume& volume, int connectivity) {
-  const DenseVolume whole = padded(volume);
-  DenseVolume nodes({2 * whole.size[0] + 1, 2 * whole.size[1] + 1, 2 * whole.size[2] + 1});
+DenseVolume solid_labels(const DenseVolume& volume, int connectivity) {
+  DenseVolume nodes({2 * volume.size[0] + 1, 2 * volume.size[1] + 1, 2 * volume.size[2] + 1});
   for (int z = 0; z < nodes.size[2]; ++z)
     for (int y = 0; y < nodes.size[1]; ++y)
       for (int x = 0; x < nodes.size[0]; ++x)
-        nodes.at(x, y, z) = lattice_inside(whole, connectivity, x, y, z);
+        nodes.at(x, y, z) = lattice_inside(volume, connectivity, x, y, z);
+  return nodes;
+}
+
+Topology count_nodes(const DenseVolume& nodes) {
   int euler = 0;
   for (int z = 0; z < nodes.size[2]; ++z)
     for (int y = 0; y < nodes.size[1]; ++y)
       for (int x = 0; x < nodes.size[0]; ++x) euler += simplices_at(nodes, x, y, z);
   return from(count_of(flood(nodes, true, lattice_neighbours())),
               count_of(flood(nodes, false, lattice_neighbours())) - 1, euler);
+}
+
+Topology count_lattice(const DenseVolume& volume, int connectivity) {
+  return count_nodes(solid_labels(padded(volume), connectivity));
 }
 
 }  // namespace vasamesh::test

@@ -22,9 +22,16 @@ Topology count_cells(const DenseVolume& volume, int connectivity);
 /// The same of each piece by itself, in raster order of first voxels.
 std::vector<Topology> count_cells_by_piece(const DenseVolume& volume, int connectivity);
 
-/// Betti numbers of the subcomplex of the Freudenthal cut that the nodes inside span. A node is a
-/// cell; it is inside by the rule of stages/topology_count.h, with the edges at a trimmed corner
-/// trimmed too.
+/// Which nodes of the cell lattice are inside: 2 n + 1 along each axis, odd ones inside voxels. A
+/// node is a cell; it is inside by the rule of stages/topology_count.h, with the edges at a trimmed
+/// corner trimmed too.
+DenseVolume solid_labels(const DenseVolume& volume, int connectivity);
+
+/// Betti numbers of the subcomplex of the Freudenthal cut that the nodes inside span. The outermost
+/// nodes are outside.
+Topology count_nodes(const DenseVolume& nodes);
+
+/// count_nodes of solid_labels, the volume padded.
 Topology count_lattice(const DenseVolume& volume, int connectivity);
 
 }  // namespace vasamesh::test

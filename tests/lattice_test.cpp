@@ -1,0 +1,331 @@
+/// \file
+/// The cell lattice against plain loops, and what the relabelling must leave alone: whatever the
+/// field, the labelled nodes have the solid's topology.
+
+#include "stages/lattice.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "reference/lattice_reference.h"
+#include "reference/octree_reference.h"
+#include "reference/topology.h"
+#include "stages/bricks.h"
+#include "stages/link.h"
+#include "stages/points.h"
+#include "support/backends.h"
+#include "support/brick_sets.h"
+#include "support/dense_volume.h"
+#include "tbb/backend.h"
+
+namespace vasamesh {
+
+/// Tells the numbers in a failure.
+void PrintTo(const Topology& t, std::ostream* out) {
+  *out << t.pieces << " pieces, " << t.handles << " handles, " << t.cavities << " cavities";
+}
+
+namespace {
+
+using test::DenseVolume;
+
+TEST(SimplePoints, AsFloodedAndCounted) {
+  const auto table = make_simple_table();
+  int simple = 0;
+  for (std::uint32_t labels = 0; labels < kLinkCount; ++labels) {
+    ASSERT_EQ(table[labels] != 0, reference::is_simple(labels)) << labels;
+    EXPECT_EQ(table[labels], table[~labels & (kLinkCount - 1)]) << labels;
+    simple += table[labels];
+  }
+  EXPECT_GT(simple, 1000);
+  EXPECT_LT(simple, kLinkCount - 1000);
+}
+
+/// The volume as the lattice sees it: padded by kPad before it and at least as much behind.
+DenseVolume padded(const DenseVolume& volume) {
+  DenseVolume whole({(volume.size[0] + 2 * kPad + 7) / 8 * 8,
+                     (volume.size[1] + 2 * kPad + 7) / 8 * 8,
+                     (volume.size[2] + 2 * kPad + 7) / 8 * 8});
+  for (int z = 0; z < volume.size[2]; ++z)
+    for (int y = 0; y < volume.size[1]; ++y)
+      for (int x = 0; x < volume.size[0]; ++x)
+        whole.at(x + kPad, y + kPad, z + kPad) = volume.object(x, y, z);
+  return whole;
+}
+
+/// The nodes of two voxels round the caller's volume; all others are outside whatever is done.
+DenseVolume cropped(const DenseVolume& nodes, const DenseVolume& volume) {
+  const int first = 2 * (kPad - 2);
+  DenseVolume part({2 * volume.size[0] + 9, 2 * volume.size[1] + 9, 2 * volume.size[2] + 9});
+  for (int z = 0; z < part.size[2]; ++z)
+    for (int y = 0; y < part.size[1]; ++y)
+      for (int x = 0; x < part.size[0]; ++x)
+        part.at(x, y, z) = nodes.object(x + first, y + first, z + first);
+  return part;
+}
+
+template <class Visit>
+void visit_nodes(const BrickView& bricks, const Visit& visit) {
+  for (std::size_t b = 0; b < bricks.count; ++b)
+    for (int c = 0; c < kBrickCells; ++c)
+      visit(kBrickCells * b + static_cast<std::size_t>(c), 8 * bricks.coords[b].x + c % 8,
+            8 * bricks.coords[b].y + c / 8 % 8, 8 * bricks.coords[b].z + c / 64);
+}
+
+class CellLattice : public ::testing::Test {
+ protected:
+  CellLattice() { context_.backends = {backend_}; }
+
+  /// All bricks of nodes of a packed volume.
+  Bricks all_bricks(const BitVolume& bits) {
+    std::vector<BrickCoord> coords;
+    for (int z = 0; z < bits.size[2] / 4; ++z)
+      for (int y = 0; y < bits.size[1] / 4; ++y)
+        for (int x = 0; x < bits.size[0] / 4; ++x) coords.push_back({x, y, z});
+    return make_bricks(*backend_, coords);
+  }
+
+  std::shared_ptr<Backend> backend_ = make_tbb_backend(2, nullptr);
+  Context context_;
+};
+
+TEST_F(CellLattice, LabelsAsByTheVoxelsTouched) {
+  unsigned seed = 0;
+  for (const double density : {0.05, 0.4, 0.9})
+    for (const int connectivity : {26, 18, 6}) {
+      const DenseVolume volume = test::random_volume({37, 6, 5}, density, ++seed);
+      const DenseVolume whole = padded(volume);
+      const DenseVolume solid = test::solid_labels(whole, connectivity);
+      const BitVolume bits = test::pack_plainly(*backend_, volume);
+      const Bricks bricks = all_bricks(bits);
+      Buffer<std::uint8_t> state(*backend_, bricks.count * kBrickCells);
+      const std::array<int, 3> radius = {1 + static_cast<int>(seed % 3), 2,
+                                         3 - static_cast<int>(seed % 3)};
+      backend_->lattice_label(bits.view(), connectivity, bricks.view(), radius, state.view());
+      visit_nodes(bricks.view(), [&](std::size_t node, int x, int y, int z) {
+        const int want = (solid.object(x, y, z) ? kLabel | kSolid : 0) |
+                         (reference::near_face_centre(whole, radius, x, y, z) ? kFree : 0) |
+                         (reference::is_face_centre(whole, x, y, z) ? kFaceCentre : 0);
+        ASSERT_EQ(int{state.view()[node]}, want)
+            << x << " " << y << " " << z << ", density " << density << ", " << connectivity;
+      });
+    }
+}
+
+TEST_F(CellLattice, BricksThatHoldFreeNodesOrNeighboursOfThem) {
+  const DenseVolume volume = test::random_volume({41, 17, 9}, 0.004, 8);
+  const DenseVolume whole = padded(volume);
+  const BitVolume bits = test::pack_plainly(*backend_, volume);
+  const Bricks bricks = all_bricks(bits);
+  for (const std::array<int, 3>& radius : {std::array{1, 2, 3}, {3, 1, 1}}) {
+    Buffer<std::uint8_t> used(*backend_, bricks.count);
+    backend_->lattice_mark(bits.view(), bricks.view(), radius, used.view());
+    std::vector<std::uint8_t> want(bricks.count, 0);
+    const std::array<int, 3> reach = {radius[0] + 1, radius[1] + 1, radius[2] + 1};
+    visit_nodes(bricks.view(), [&](std::size_t node, int x, int y, int z) {
+      std::uint8_t& found = want[node / kBrickCells];
+      found = found || reference::near_face_centre(whole, reach, x, y, z);
+    });
+    EXPECT_EQ(to_host(*backend_, used.view()), want);
+    EXPECT_GT(std::count(want.begin(), want.end(), 0), 5);
+  }
+}
+
+/// A volume's octree with a field of random coefficients on it.
+struct RandomField {
+  RandomField(Backend& backend, const DenseVolume& volume, const Scale& volume_scale,
+              std::uint32_t seed, float bias)
+      : scale(volume_scale),
+        object(test::pack_plainly(backend, volume)),
+        points(extract_points(backend, object, scale)),
+        octree(build_octree(backend, points, scale, {})) {
+    for (OctreeLevel& level : octree.levels) {
+      std::vector<float> values = random_floats(level.solution.size(), seed++);
+      for (float& value : values) value += bias;
+      backend.upload<float>(level.solution.view(), values);
+    }
+  }
+  Scale scale;
+  BitVolume object;
+  PointCloud points;
+  Octree octree;
+};
+
+TEST_F(CellLattice, ValuesAreTheSplines) {
+  const DenseVolume volume = test::random_volume({23, 9, 12}, 0.01, 3).box({2, 2, 2}, {8, 7, 9});
+  const RandomField field(*backend_, volume, {1, 1, 1}, 5, 0);
+  ASSERT_TRUE(field.octree.has_refined());
+  const Lattice lattice =
+      build_lattice(*backend_, field.object, field.points, field.scale, field.octree, {});
+  const auto spline = [&](int exponent) {
+    const OctreeLevel& level = field.octree.at_exponent(exponent);
+    return reference::SplineField(exponent, level.coords,
+                                  to_host<const float>(*backend_, level.solution.view()));
+  };
+  const reference::SplineField regular = spline(0), refined = spline(-1);
+  std::size_t from_regular = 0, from_refined = 0;
+  visit_nodes(lattice.bricks.view(), [&](std::size_t node, int x, int y, int z) {
+    const float value = lattice.values.view().data()[node];
+    const reference::Position at = {0.5 * x, 0.5 * y, 0.5 * z};
+    const bool is_refined = std::abs(value - refined.at(at)) < 1e-5;
+    if (!is_refined) {
+      ASSERT_NEAR(value, regular.at(at), 1e-5) << x << " " << y << " " << z;
+      EXPECT_FALSE(refined.covers({at[0] - 2, at[1] - 2, at[2] - 2}) &&
+                   refined.covers({at[0] + 4, at[1] + 4, at[2] + 4}) && refined.covers(at))
+          << "the refined level is passed over";
+    } else {
+      ASSERT_TRUE(refined.covers(at));
+    }
+    (is_refined ? from_refined : from_regular) += 1;
+  });
+  EXPECT_GT(from_regular, 1000u);
+  EXPECT_GT(from_refined, 1000u);
+}
+
+/// Random solids of all densities and connectivities, relabelled towards fields that have nothing
+/// to do with them.
+class Relabelling : public CellLattice, public ::testing::WithParamInterface<Connectivity> {
+ protected:
+  void check(const DenseVolume& volume, const Scale& scale, std::uint32_t seed, float bias) {
+    const Connectivity connectivity = GetParam();
+    Parameters parameters;
+    parameters.connectivity = connectivity;
+    RandomField field(*backend_, volume, scale, seed, bias);
+    const Solid solid =
+        examine_solid(*backend_, field.object.view(), volume.size64(), connectivity);
+    Lattice lattice =
+        build_lattice(*backend_, field.object, field.points, scale, field.octree, parameters);
+    const auto before = to_host<const std::uint8_t>(*backend_, lattice.state.view());
+    Scheduler scheduler(context_);
+    std::vector<Closing> closings;
+    const RelabelReport report = relabel(scheduler, scale, false, lattice, closings);
+    flips_ += report.flips;
+    EXPECT_TRUE(closings.empty());
+    expect_consistent(lattice, before);
+    const DenseVolume nodes = reference::relabelled(
+        test::solid_labels(padded(volume), static_cast<int>(connectivity)), lattice);
+    const DenseVolume part = cropped(nodes, volume);
+    EXPECT_EQ(std::count(part.voxels.begin(), part.voxels.end(), 0),
+              std::count(nodes.voxels.begin(), nodes.voxels.end(), 0) -
+                  static_cast<std::ptrdiff_t>(nodes.voxels.size() - part.voxels.size()))
+        << "labels far from the volume";
+    EXPECT_EQ(test::count_nodes(part), solid.topology);
+  }
+
+  /// Values have their labels' signs; only free nodes changed, and nothing of them but the label.
+  void expect_consistent(const Lattice& lattice, const std::vector<std::uint8_t>& before) {
+    const auto state = to_host<const std::uint8_t>(*backend_, lattice.state.view());
+    const auto values = to_host<const float>(*backend_, lattice.values.view());
+    for (std::size_t i = 0; i < state.size(); ++i) {
+      const int changed = state[i] ^ before[i];
+      ASSERT_TRUE(changed == 0 || (changed == kLabel && (before[i] & kFree))) << i;
+      ASSERT_EQ(values[i] > 0, (state[i] & kLabel) != 0) << i;
+      ASSERT_NE(values[i], 0.0f) << i;
+    }
+  }
+
+  std::int64_t flips_ = 0;
+};
+
+TEST_P(Relabelling, KeepsTheSolidsTopology) {
+  std::uint32_t seed = 100;
+  for (const double density : {0.02, 0.1, 0.25, 0.4, 0.6, 0.8, 0.97})
+    for (const float bias : {0.0f, -2.0f, 2.0f}) {
+      SCOPED_TRACE(::testing::Message() << "density " << density << ", bias " << bias);
+      check(test::random_volume({11, 9, 10}, density, seed), {1, 1, 1}, seed, bias);
+      ++seed;
+    }
+  EXPECT_GT(flips_, 10000);
+}
+
+TEST_P(Relabelling, KeepsTheSolidsTopologyWhereSpacingsDiffer) {
+  std::uint32_t seed = 500;
+  for (const Scale& scale : {Scale{0.7f, 0.7f, 2.04f}, {1.6f, 0.5f, 1.25f}})
+    for (const float bias : {0.0f, -2.0f, 2.0f}) {
+      SCOPED_TRACE(::testing::Message() << "scale " << scale[2] << ", bias " << bias);
+      check(test::random_volume({13, 7, 6}, 0.35, seed), scale, seed, bias);
+      ++seed;
+    }
+  EXPECT_GT(flips_, 1000);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, Relabelling,
+                         ::testing::Values(Connectivity::vertex, Connectivity::edge,
+                                           Connectivity::face),
+                         [](const auto& param_info) {
+                           return "of_" + std::to_string(static_cast<int>(param_info.param));
+                         });
+
+/// A lattice of random labels and values for single passes.
+struct RandomLattice {
+  RandomLattice(Backend& backend, std::uint32_t seed) {
+    lattice.bricks = make_bricks(backend, random_bricks(30, seed));
+    const std::size_t nodes = lattice.bricks.count * kBrickCells;
+    lattice.values = to_backend(backend, random_floats(nodes, seed));
+    std::mt19937 random(seed);
+    std::vector<std::uint8_t> state(nodes);
+    for (std::uint8_t& s : state) s = random() & (kLabel | kSolid | kFree);
+    lattice.state = to_backend(backend, state);
+  }
+  bool wrong(std::size_t node) const {
+    return (lattice.values.view().data()[node] > 0) !=
+           ((lattice.state.view().data()[node] & kLabel) != 0);
+  }
+  Lattice lattice;
+};
+
+TEST_F(CellLattice, ClampGivesEachWrongValueItsLabelsSign) {
+  RandomLattice random(*backend_, 12);
+  Lattice& lattice = random.lattice;
+  const auto before = to_host(*backend_, lattice.values.view());
+  std::vector<bool> wrong;
+  for (std::size_t i = 0; i < before.size(); ++i) wrong.push_back(random.wrong(i));
+  backend_->lattice_clamp(lattice.bricks.view(), 0.125f, lattice.state.view(),
+                          lattice.values.view());
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    const bool inside = lattice.state.view()[i] & kLabel;
+    ASSERT_EQ(lattice.values.view()[i], wrong[i] ? (inside ? 0.125f : -0.125f) : before[i]) << i;
+  }
+}
+
+TEST_F(CellLattice, BlendChangesNothingBeyondItsRadius) {
+  for (const float radius : {3.0f, 5.0f, 8.0f}) {
+    SCOPED_TRACE(radius);
+    RandomLattice random(*backend_, 20 + static_cast<std::uint32_t>(radius));
+    Lattice& lattice = random.lattice;
+    std::vector<std::uint8_t> marked(lattice.values.size(), 0);
+    std::vector<std::array<int, 3>> places;
+    visit_nodes(lattice.bricks.view(), [&](std::size_t node, int x, int y, int z) {
+      if (node % 3001 != 5) return;
+      marked[node] = 1;
+      places.push_back({x, y, z});
+    });
+    ASSERT_GE(places.size(), 4u);
+    const auto marks = to_backend(*backend_, marked);
+    const auto before = to_host(*backend_, lattice.values.view());
+    backend_->lattice_blend(lattice.bricks.view(), marks.view(), radius, lattice.state.view(),
+                            lattice.values.view());
+    visit_nodes(lattice.bricks.view(), [&](std::size_t node, int x, int y, int z) {
+      double nearest = 1e9;
+      for (const auto& p : places)
+        nearest = std::min(nearest, std::hypot(p[0] - x, p[1] - y, p[2] - z));
+      const float value = lattice.values.view()[node];
+      if (nearest >= radius) {
+        ASSERT_EQ(value, before[node]) << node;
+      } else {
+        const double part = 1 - nearest * nearest / (radius * radius);
+        // Beside the solid's own value, which is within 0.5 of zero.
+        EXPECT_NEAR(value, (1 - part * part) * before[node], 0.5 * part * part + 1e-5) << node;
+      }
+      if (nearest == 0) {
+        EXPECT_EQ(value > 0, (lattice.state.view()[node] & kSolid) != 0) << node;
+      }
+    });
+  }
+}
+
+}  // namespace
+}  // namespace vasamesh

@@ -1,0 +1,183 @@
+/// \file
+/// Surfaces of whole conversions: proven and of the segmentation's topology on every phantom, on
+/// random trees and on noise; how far they lie from the exact surface and from marching cubes; and
+/// the same on real scans, from the folder that VASAMESH_TEST_DATA names.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+#include "io/marching_cubes.h"
+#include "stages/distance.h"
+#include "support/cases.h"
+#include "support/dense_volume.h"
+#include "support/invariants.h"
+#include "tbb/backend.h"
+#include "vasamesh/host.h"
+#include "vasamesh/pipeline.h"
+
+namespace vasamesh::test {
+namespace {
+
+constexpr double kMeanOnScans = 0.17;     // voxels, to marching cubes
+constexpr double kMeanOnPhantoms = 0.27;  // voxels, to marching cubes
+constexpr double kMeanToExact = 0.12;     // voxels, for radii of 2.5 voxels or more
+constexpr double kVolumeError = 0.02;
+constexpr int kTrees = 100, kTreeShards = 10, kAccuracyShards = 4;
+
+Context& context() {
+  static Context shared = make_context({.backend = "tbb", .device = "", .threads = 2});
+  return shared;
+}
+
+double voxel_length(const Geometry& geometry) {
+  return std::cbrt(geometry.spacing[0] * geometry.spacing[1] * geometry.spacing[2]);
+}
+
+/// The largest distance to marching cubes that is allowed, in mm.
+double largest_allowed(const Geometry& geometry) {
+  const auto [least, most] = std::minmax_element(geometry.spacing.begin(), geometry.spacing.end());
+  return std::max(*least, 0.55 * *most);
+}
+
+/// The surface is proven anew, and the report says the same of it.
+void expect_proven(const Result& result, const VolumeView& volume, Connectivity connectivity) {
+  expect_good_surface(result.mesh, volume, connectivity);
+  const CheckReport& check = result.report.check;
+  EXPECT_TRUE(check.passed) << check.reason;
+  EXPECT_TRUE(check.has_wanted);
+  EXPECT_EQ(check.topology, check.wanted);
+  EXPECT_EQ(static_cast<std::size_t>(check.triangles), result.mesh.triangle_count());
+}
+
+void expect_near_marching_cubes(const TriangleMesh& mesh, const Segmentation& segmentation,
+                                double mean) {
+  const double voxel = voxel_length(segmentation.geometry);
+  const DistanceReport report =
+      measure_distance(*context().backends.back(), mesh, marching_cubes(segmentation), voxel);
+  for (const OneWayDistance* way : {&report.to, &report.back}) {
+    SCOPED_TRACE(way == &report.to ? "to marching cubes" : "from marching cubes");
+    EXPECT_LE(way->mean, mean * voxel);
+    EXPECT_LT(way->maximum, largest_allowed(segmentation.geometry));
+  }
+}
+
+double signed_volume(const TriangleMesh& mesh) {
+  double sum = 0;
+  const auto at = [&](std::size_t corner, std::size_t axis) {
+    return static_cast<double>(mesh.vertices[3 * mesh.triangles[corner] + axis]);
+  };
+  for (std::size_t t = 0; t < mesh.triangles.size(); t += 3)
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::size_t j = (i + 1) % 3, k = (i + 2) % 3;
+      sum += at(t, i) * (at(t + 1, j) * at(t + 2, k) - at(t + 1, k) * at(t + 2, j));
+    }
+  return sum / 6;
+}
+
+class SmallPhantoms : public ::testing::TestWithParam<PhantomCase> {};
+
+TEST_P(SmallPhantoms, ProvenAndNearMarchingCubes) {
+  const Phantom phantom = GetParam().make();
+  const Result result = convert(phantom.view(), {}, context());
+  expect_proven(result, phantom.view(), Connectivity::vertex);
+  if (phantom.topology) EXPECT_EQ(result.report.check.topology, *phantom.topology);
+  expect_near_marching_cubes(result.mesh, {phantom.geometry, phantom.voxels}, kMeanOnPhantoms);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, SmallPhantoms, ::testing::ValuesIn(small_cases()),
+                         [](const auto& param_info) { return param_info.param.label; });
+
+class Accuracy : public ::testing::TestWithParam<int> {};
+
+TEST_P(Accuracy, NearTheExactSurfaceAndOfItsVolume) {
+  const std::vector<PhantomCase> cases = accuracy_cases();
+  ASSERT_GE(cases.size(), 10u);
+  for (std::size_t i = static_cast<std::size_t>(GetParam()); i < cases.size();
+       i += kAccuracyShards) {
+    SCOPED_TRACE(cases[i].label);
+    PhantomCase with_exact = cases[i];
+    with_exact.options.exact = true;
+    const Phantom phantom = with_exact.make();
+    ASSERT_TRUE(phantom.exact);
+    const Result result = convert(phantom.view(), {}, context());
+    expect_proven(result, phantom.view(), Connectivity::vertex);
+    const double voxel = voxel_length(phantom.geometry);
+    const DistanceReport distance =
+        measure_distance(*context().backends.back(), result.mesh, *phantom.exact, voxel);
+    EXPECT_LE(distance.to.mean, kMeanToExact * voxel);
+    EXPECT_LE(distance.back.mean, kMeanToExact * voxel);
+    const double volume = signed_volume(*phantom.exact);
+    EXPECT_NEAR(signed_volume(result.mesh), volume, kVolumeError * volume);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Shards, Accuracy, ::testing::Range(0, kAccuracyShards));
+
+class RandomTrees : public ::testing::TestWithParam<int> {};
+
+TEST_P(RandomTrees, Proven) {
+  const std::vector<PhantomCase> cases = tree_cases(kTrees);
+  for (std::size_t i = static_cast<std::size_t>(GetParam()); i < kTrees; i += kTreeShards) {
+    SCOPED_TRACE(cases[i].label);
+    const Phantom phantom = cases[i].make();
+    const Result result = convert(phantom.view(), {}, context());
+    expect_proven(result, phantom.view(), Connectivity::vertex);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Shards, RandomTrees, ::testing::Range(0, kTreeShards));
+
+class Noise : public ::testing::TestWithParam<Connectivity> {};
+
+TEST_P(Noise, ProvenAtAllDensities) {
+  Parameters parameters;
+  parameters.connectivity = GetParam();
+  unsigned seed = 0;
+  for (const double density : {0.01, 0.05, 0.15, 0.3, 0.5, 0.7, 0.85, 0.95, 0.99, 1.0}) {
+    SCOPED_TRACE(density);
+    const DenseVolume volume = random_volume({16, 16, 16}, density, ++seed);
+    expect_proven(convert(volume.view(), parameters, context()), volume.view(), GetParam());
+  }
+}
+
+TEST_P(Noise, ProvenWhereSpacingsDiffer) {
+  Parameters parameters;
+  parameters.connectivity = GetParam();
+  for (const std::array<double, 3>& spacing :
+       {std::array{1.0, 1.0, 3.0}, {0.3, 0.9, 0.3}, {2.5, 1.0, 0.5}}) {
+    SCOPED_TRACE(::testing::Message() << spacing[0] << " " << spacing[1] << " " << spacing[2]);
+    const DenseVolume volume = random_volume({13, 9, 11}, 0.4, 40);
+    VolumeView view = volume.view();
+    view.geometry.spacing = spacing;
+    expect_proven(convert(view, parameters, context()), view, GetParam());
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, Noise,
+                         ::testing::Values(Connectivity::vertex, Connectivity::edge,
+                                           Connectivity::face),
+                         [](const auto& param_info) {
+                           return "of_" + std::to_string(static_cast<int>(param_info.param));
+                         });
+
+class Scans : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(Scans, ProvenAndNearMarchingCubes) {
+  const char* folder = std::getenv("VASAMESH_TEST_DATA");
+  if (!folder) GTEST_SKIP() << "VASAMESH_TEST_DATA is not set";
+  const Segmentation scan = read_segmentation(std::string(folder) + "/" + GetParam() + ".nii.gz");
+  const Result result = convert(scan.view(), {}, context());
+  expect_proven(result, scan.view(), Connectivity::vertex);
+  expect_near_marching_cubes(result.mesh, scan, kMeanOnScans);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, Scans,
+                         ::testing::Values("pulmonary_arteries", "hepatic_veins", "liver_arteries",
+                                           "airways", "willis_mra", "willis_roi", "aorta_mra"),
+                         [](const auto& param_info) { return std::string(param_info.param); });
+
+}  // namespace
+}  // namespace vasamesh::test

@@ -1,0 +1,355 @@
+/// \file
+/// The contract of convert(): parameters and their ranges, spaces and mirrored volumes, the same
+/// bytes at any thread count, cancelling at every stage, the limit of memory, the report.
+
+#include "vasamesh/pipeline.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <set>
+#include <string>
+
+#include "backend/backend.h"
+#include "support/cases.h"
+#include "support/dense_volume.h"
+#include "support/invariants.h"
+#include "vasamesh/host.h"
+
+namespace vasamesh::test {
+namespace {
+
+Context make_threads(int threads) {
+  return make_context({.backend = "tbb", .device = "", .threads = threads});
+}
+
+Context& context() {
+  static Context shared = make_threads(2);
+  return shared;
+}
+
+const Phantom& small_tree() {
+  static const Phantom phantom = tree_cases(7).back().make();
+  return phantom;
+}
+
+Phantom y_branch() { return make_phantom("y_branch"); }
+
+/// The error of a call; fails where there is none.
+Error error_of(const std::function<void()>& call) {
+  try {
+    call();
+  } catch (const Error& error) {
+    return error;
+  }
+  ADD_FAILURE() << "no error";
+  return Error(ErrorCode::internal, "");
+}
+
+Error error_of(const Parameters& parameters) {
+  return error_of([&] { convert(y_branch().view(), parameters, context()); });
+}
+
+void expect_refused(const Parameters& parameters, const std::string& field) {
+  SCOPED_TRACE(field);
+  const Error error = error_of(parameters);
+  EXPECT_EQ(error.code(), ErrorCode::usage) << error.what();
+  EXPECT_NE(std::string(error.what()).find(field), std::string::npos) << error.what();
+  EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
+}
+
+template <class T>
+Parameters with(T Parameters::*field, T value) {
+  Parameters parameters;
+  parameters.*field = value;
+  return parameters;
+}
+
+TEST(PipelineParameters, OutOfRangeIsNamed) {
+  for (const int neighbours : {2, 65, -1})
+    expect_refused(with(&Parameters::neighbours, neighbours), "neighbours");
+  for (const int depth : {-1, 25}) expect_refused(with(&Parameters::depth, depth), "depth");
+  for (const double width : {0.49, 4.01, -1.0, std::numeric_limits<double>::quiet_NaN(),
+                             std::numeric_limits<double>::infinity()})
+    expect_refused(with(&Parameters::kernel_width, width), "kernel width");
+  expect_refused(with(&Parameters::min_component, std::int64_t{-1}), "min component");
+  expect_refused(with(&Parameters::max_memory, std::int64_t{-1}), "max memory");
+  expect_refused(with(&Parameters::connectivity, static_cast<Connectivity>(8)), "connectivity");
+}
+
+TEST(PipelineParameters, LimitsOfRangesAreAccepted) {
+  const Phantom phantom = y_branch();
+  for (const Parameters& parameters :
+       {with(&Parameters::neighbours, 3), with(&Parameters::neighbours, 64),
+        with(&Parameters::kernel_width, 0.5), with(&Parameters::kernel_width, 4.0),
+        with(&Parameters::normals, NormalMode::gradient)})
+    expect_good_surface(convert(phantom.view(), parameters, context()).mesh, phantom.view());
+}
+
+TEST(PipelineParameters, DepthFromTwoBelowToOneAboveTheRegular) {
+  const Phantom phantom = y_branch();
+  const std::vector<LevelReport> levels = convert(phantom.view(), {}, context()).report.levels;
+  int regular = levels.front().depth;
+  for (const LevelReport& level : levels) {
+    regular = std::max(regular, level.depth);
+    EXPECT_EQ(level.cells[0], std::int64_t{24} << (level.depth - levels.front().depth));
+  }
+  if (convert(phantom.view(), {}, context()).report.thin_points > 0) --regular;
+  for (int depth = regular - 2; depth <= regular + 1; ++depth) {
+    SCOPED_TRACE(depth);
+    const Result result = convert(phantom.view(), with(&Parameters::depth, depth), context());
+    expect_good_surface(result.mesh, phantom.view());
+    int solved = 0;
+    for (const LevelReport& level : result.report.levels)
+      if (level.iterations > 0) solved = std::max(solved, level.depth);
+    EXPECT_EQ(solved, depth);
+  }
+  for (const int depth : {regular - 3, regular + 2}) {
+    const Error error = error_of(with(&Parameters::depth, depth));
+    EXPECT_EQ(error.code(), ErrorCode::usage);
+    EXPECT_NE(std::string(error.what())
+                  .find(std::to_string(regular - 2) + " to " + std::to_string(regular + 1)),
+              std::string::npos)
+        << error.what();
+  }
+}
+
+TEST(PipelineParameters, SmallPiecesAreDroppedAndReported) {
+  DenseVolume volume({20, 12, 12});
+  volume.box({2, 2, 2}, {7, 7, 7}).box({12, 2, 2}, {13, 3, 3}).box({16, 8, 8}, {16, 8, 8});
+  const Result all = convert(volume.view(), {}, context());
+  const Result large =
+      convert(volume.view(), with(&Parameters::min_component, std::int64_t{9}), context());
+  EXPECT_EQ(all.report.check.topology.pieces, 3);
+  EXPECT_EQ(large.report.check.topology.pieces, 1);
+  EXPECT_EQ(large.report.input.dropped.count, 2);
+  const Error error = error_of([&] {
+    convert(volume.view(), with(&Parameters::min_component, std::int64_t{1000}), context());
+  });
+  EXPECT_EQ(error.code(), ErrorCode::bad_input);
+}
+
+TEST(PipelineInput, NothingInTheForeground) {
+  const DenseVolume volume({9, 8, 7});
+  EXPECT_EQ(error_of([&] { convert(volume.view(), {}, context()); }).code(), ErrorCode::bad_input);
+}
+
+TEST(PipelineInput, ContextWithoutBackends) {
+  Context nothing;
+  const DenseVolume volume = DenseVolume({3, 3, 3}).box({1, 1, 1}, {1, 1, 1});
+  EXPECT_EQ(error_of([&] { convert(volume.view(), {}, nothing); }).code(), ErrorCode::usage);
+}
+
+TEST(PipelineInput, BitsGiveTheSurfaceOfBytes) {
+  const DenseVolume volume = random_volume({19, 11, 9}, 0.3, 3);
+  std::vector<std::uint8_t> bits(std::size_t{3} * 11 * 9);
+  for (int z = 0; z < 9; ++z)
+    for (int y = 0; y < 11; ++y)
+      for (int x = 0; x < 19; ++x)
+        if (volume.object(x, y, z))
+          bits[static_cast<std::size_t>(x / 8 + 3 * (y + 11 * z))] |=
+              static_cast<std::uint8_t>(1u << x % 8);
+  VolumeView packed = volume.view();
+  packed.data = bits.data();
+  packed.format = VoxelFormat::bits;
+  const Result from_bytes = convert(volume.view(), {}, context());
+  const Result from_bits = convert(packed, {}, context());
+  EXPECT_EQ(from_bits.mesh.vertices, from_bytes.mesh.vertices);
+  EXPECT_EQ(from_bits.mesh.triangles, from_bytes.mesh.triangles);
+}
+
+TEST(PipelineBytes, SameAtAnyThreadCountAndInTenRepeats) {
+  const Result first = convert(small_tree().view(), {}, context());
+  ASSERT_GT(first.mesh.triangle_count(), 1000u);
+  for (const int threads : {1, 2, 4, 4, 4, 4, 4, 4, 4, 4, 4, 4}) {
+    Context other = make_threads(threads);
+    const Result again = convert(small_tree().view(), {}, other);
+    ASSERT_EQ(again.mesh.vertices, first.mesh.vertices) << threads;
+    ASSERT_EQ(again.mesh.triangles, first.mesh.triangles) << threads;
+  }
+}
+
+TEST(PipelineBytes, ConverterGivesTheSameEachTime) {
+  Converter converter(make_threads(2));
+  const Phantom other = y_branch();
+  const Result want = convert(small_tree().view(), {}, context());
+  for (int i = 0; i < 2; ++i) {
+    const Result got = converter.convert(small_tree().view(), {});
+    EXPECT_EQ(got.mesh.vertices, want.mesh.vertices);
+    EXPECT_EQ(got.mesh.triangles, want.mesh.triangles);
+    EXPECT_GT(converter.convert(other.view(), {}).mesh.triangle_count(), 0u);
+  }
+}
+
+/// Rotation about an axis that is none of the volume's.
+std::array<double, 9> oblique(bool mirrored) {
+  const double a = 2.0 / 3, b = 1.0 / 3, s = mirrored ? -1 : 1;
+  return {a, -b, s * a, a, a, s * -b, -b, a, s * a};
+}
+
+TEST(PipelineSpace, MirroredAndObliqueDirectionsGiveOutwardSurfaces) {
+  const Phantom phantom = y_branch();
+  for (const std::array<double, 9>& direction : {std::array<double, 9>{1, 0, 0, 0, 1, 0, 0, 0, 1},
+                                                 {-1, 0, 0, 0, 1, 0, 0, 0, 1},
+                                                 {-1, 0, 0, 0, -1, 0, 0, 0, 1},
+                                                 {0, 1, 0, 1, 0, 0, 0, 0, 1},
+                                                 oblique(false),
+                                                 oblique(true)})
+    for (const Space space : {Space::lps, Space::ras, Space::voxel}) {
+      SCOPED_TRACE(::testing::Message() << "direction " << direction[0] << " " << direction[1]
+                                        << ", space " << static_cast<int>(space));
+      VolumeView volume = phantom.view();
+      volume.geometry.direction = direction;
+      volume.geometry.origin = {12.5, -31, 170};
+      const Result result = convert(volume, with(&Parameters::space, space), context());
+      expect_good_surface(result.mesh, volume, Connectivity::vertex, space);
+      EXPECT_GT(result.report.quality.volume, 0);
+    }
+}
+
+TEST(PipelineSpace, RasIsAChangeOfSign) {
+  const Phantom phantom = y_branch();
+  const Result lps = convert(phantom.view(), {}, context());
+  const Result ras = convert(phantom.view(), with(&Parameters::space, Space::ras), context());
+  ASSERT_EQ(ras.mesh.vertices.size(), lps.mesh.vertices.size());
+  EXPECT_EQ(ras.mesh.triangles, lps.mesh.triangles);
+  for (std::size_t i = 0; i < lps.mesh.vertices.size(); ++i)
+    ASSERT_EQ(ras.mesh.vertices[i], (i % 3 < 2 ? -1 : 1) * lps.mesh.vertices[i]) << i;
+}
+
+/// What progress told: (phase, fraction) in order.
+using Told = std::vector<std::pair<std::string, double>>;
+
+Told progress_of(const Phantom& phantom) {
+  Told told;
+  Context watching = make_threads(2);
+  watching.progress = [&](std::string_view phase, double fraction) {
+    told.emplace_back(phase, fraction);
+    return true;
+  };
+  convert(phantom.view(), {}, watching);
+  return told;
+}
+
+TEST(PipelineProgress, EachStageFromNoneToAll) {
+  const Phantom phantom = y_branch();
+  const Told told = progress_of(phantom);
+  std::vector<std::string> begun;
+  std::string phase;
+  double last = 1;
+  for (const auto& [name, fraction] : told) {
+    EXPECT_GE(fraction, 0);
+    EXPECT_LE(fraction, 1);
+    if (name != phase) {
+      EXPECT_EQ(last, 1) << phase;
+      EXPECT_EQ(fraction, 0) << name;
+      begun.push_back(phase = name);
+    } else {
+      EXPECT_GE(fraction, last) << name;
+    }
+    last = fraction;
+  }
+  EXPECT_EQ(last, 1);
+  const Report report = convert(phantom.view(), {}, context()).report;
+  ASSERT_EQ(report.stages.size(), begun.size());
+  for (std::size_t i = 0; i < begun.size(); ++i) {
+    EXPECT_EQ(report.stages[i].name, begun[i]);
+    EXPECT_EQ(report.stages[i].backend, "tbb");
+    EXPECT_FALSE(report.stages[i].device.empty());
+    EXPECT_GE(report.stages[i].seconds, 0);
+  }
+}
+
+TEST(PipelineProgress, FalseCancelsWhereverItIsSaid) {
+  const Phantom phantom = y_branch();
+  const Told told = progress_of(phantom);
+  ASSERT_GE(told.size(), 16u);
+  for (std::size_t stop = 0; stop < told.size(); ++stop) {
+    SCOPED_TRACE(told[stop].first);
+    Context stopping = make_threads(2);
+    std::size_t calls = 0;
+    stopping.progress = [&](std::string_view, double) { return calls++ < stop; };
+    const Error error = error_of([&] { convert(phantom.view(), {}, stopping); });
+    EXPECT_EQ(error.code(), ErrorCode::cancelled);
+    EXPECT_NE(std::string(error.what()).find(told[stop].first), std::string::npos);
+    EXPECT_EQ(calls, stop + 1);
+    EXPECT_EQ(stopping.backends.back()->bytes_held(), 0u);
+  }
+}
+
+TEST(PipelineProgress, FlagCancelsAtEveryStage) {
+  const Phantom phantom = y_branch();
+  std::set<std::string> phases;
+  for (const auto& [name, fraction] : progress_of(phantom)) phases.insert(name);
+  for (const std::string& phase : phases) {
+    SCOPED_TRACE(phase);
+    std::atomic<bool> cancel{false};
+    std::string last;
+    Context stopping = make_threads(2);
+    stopping.cancel = &cancel;
+    stopping.progress = [&](std::string_view name, double) {
+      last = name;
+      if (name == phase) cancel = true;
+      return true;
+    };
+    EXPECT_EQ(error_of([&] { convert(phantom.view(), {}, stopping); }).code(),
+              ErrorCode::cancelled);
+    EXPECT_EQ(last, phase);
+    cancel = false;
+    stopping.progress = nullptr;
+    EXPECT_GT(convert(phantom.view(), {}, stopping).mesh.triangle_count(), 0u);
+  }
+}
+
+TEST(PipelineProgress, FlagSetBeforehand) {
+  const std::atomic<bool> cancel{true};
+  Context stopping = make_threads(2);
+  stopping.cancel = &cancel;
+  EXPECT_EQ(error_of([&] { convert(y_branch().view(), {}, stopping); }).code(),
+            ErrorCode::cancelled);
+}
+
+TEST(PipelineMemory, RefusedBelowThePeakAndDoneAtIt) {
+  const Phantom phantom = y_branch();
+  Context limited = make_threads(2);
+  Backend& backend = *limited.backends.back();
+  const Result want = convert(phantom.view(), {}, limited);
+  const auto peak = static_cast<std::int64_t>(backend.bytes_peak());
+  ASSERT_GT(peak, 0);
+  for (const std::int64_t bytes : {std::int64_t{1}, peak / 100, peak / 10, peak / 2, peak - 1}) {
+    SCOPED_TRACE(bytes);
+    const Error error =
+        error_of([&] { convert(phantom.view(), with(&Parameters::max_memory, bytes), limited); });
+    EXPECT_EQ(error.code(), ErrorCode::refused) << error.what();
+    EXPECT_EQ(backend.bytes_held(), 0u);
+  }
+  const Result got = convert(phantom.view(), with(&Parameters::max_memory, peak), limited);
+  EXPECT_EQ(got.mesh.vertices, want.mesh.vertices);
+  EXPECT_GT(convert(phantom.view(), {}, limited).mesh.triangle_count(), 0u);
+}
+
+TEST(PipelineReport, SaysWhatWasDone) {
+  const Report report = convert(small_tree().view(), {}, context()).report;
+  EXPECT_EQ(report.geometry.size, small_tree().geometry.size);
+  EXPECT_GT(report.points, report.thin_points);
+  EXPECT_GT(report.thin_points, 0);
+  const auto with_leaves = std::count_if(report.levels.begin(), report.levels.end(),
+                                         [](const LevelReport& level) { return level.leaves > 0; });
+  EXPECT_GE(with_leaves, 2) << "one leaf depth alone";
+  for (const LevelReport& level : report.levels) {
+    EXPECT_GE(level.nodes, level.leaves);
+    EXPECT_GE(level.leaves, 0);
+    EXPECT_GT(level.iterations, 0);
+    EXPECT_LT(level.residual, level.initial_residual);
+  }
+  EXPECT_GT(report.relabel.lattice_nodes, 0);
+  EXPECT_GT(report.relabel.flips, 0);
+  EXPECT_GT(report.quality.area, 0);
+}
+
+}  // namespace
+}  // namespace vasamesh::test
