@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -124,6 +125,19 @@ TEST_F(Convert, TheSameBytesWithAnyNumberOfThreads) {
   }
   EXPECT_FALSE(surfaces[0].empty());
   EXPECT_TRUE(surfaces[0] == surfaces[1] && surfaces[0] == surfaces[2]);
+}
+
+TEST_F(Convert, TheBackendAskedForRunsAndGivesTheSameBytes) {
+  if (run({"devices"}).find("opencl") == std::string::npos) GTEST_SKIP() << "no OpenCL device";
+  for (const char* backend : {"tbb", "opencl"})
+    run({"convert", volume_, "-o", folder_ / backend + std::string(".ply"), "--backend", backend,
+         "--report", folder_ / backend});
+  const json stages = json::parse(read_text(folder_ / "opencl"))["stages"];
+  const auto poisson = std::find_if(stages.begin(), stages.end(),
+                                    [](const json& stage) { return stage["name"] == "poisson"; });
+  ASSERT_NE(poisson, stages.end());
+  EXPECT_EQ((*poisson)["backend"], "opencl");
+  EXPECT_TRUE(read_text(folder_ / "tbb.ply") == read_text(folder_ / "opencl.ply"));
 }
 
 TEST_F(Convert, QuietSaysNothingAtAll) {
