@@ -1,6 +1,7 @@
 /// \file
 /// A folder with one DICOM series (DICOM PS3.3, C.7.6.2: image plane). GDCM reads the slices and
 /// orders them; the spacing between slices is measured from their positions, and must be even.
+/// Debian's GDCM is built with assertions, which corrupt files trip: all is read on trial first.
 
 #include <fmt/format.h>
 #include <gdcmImageHelper.h>
@@ -10,10 +11,12 @@
 
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <vector>
 
 #include "io/io_error.h"
 #include "io/itk_header.h"
+#include "io/trial.h"
 #include "io/volume_formats.h"
 
 namespace vasamesh {
@@ -37,6 +40,14 @@ Vector cross(const Vector& a, const Vector& b) {
 
 void set_slice_axis(const Vector& axis, Geometry& geometry) {
   for (int row = 0; row < 3; ++row) geometry.direction[3 * row + 2] = axis[row];
+}
+
+std::int64_t folder_bytes(const std::string& folder) {
+  std::int64_t bytes = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (entry.is_regular_file()) bytes += static_cast<std::int64_t>(entry.file_size());
+  }
+  return bytes;
 }
 
 /// The files of the only series in `folder`, in order of their positions.
@@ -168,9 +179,7 @@ Geometry stack_geometry(const std::string& folder, const std::vector<std::string
   return stack;
 }
 
-}  // namespace
-
-Volume open_dicom_series(const std::string& folder) {
+Volume open_series(const std::string& folder) {
   const std::vector<std::string> files = series_files(folder);
   Volume volume;
   volume.geometry =
@@ -178,6 +187,16 @@ Volume open_dicom_series(const std::string& folder) {
   const auto pixels = static_cast<std::size_t>(voxel_count(folder, volume.geometry));
   volume.pixels = std::make_unique<DicomPixels>(folder, files, pixels / files.size());
   return volume;
+}
+
+}  // namespace
+
+Volume open_dicom_series(const std::string& folder) {
+  const auto read_all = [&] { open_series(folder).pixels->visit([](const PixelChunk&) {}); };
+  if (!survives(reading_memory(folder_bytes(folder)), read_all)) {
+    throw_bad_input(folder, "a file in it is corrupt", "get a whole copy of the series");
+  }
+  return open_series(folder);
 }
 
 }  // namespace vasamesh

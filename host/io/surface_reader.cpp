@@ -24,6 +24,7 @@
 #include "io/ply_reader.h"
 #include "io/quiet.h"
 #include "io/surface_io.h"
+#include "io/trial.h"
 
 namespace vasamesh {
 namespace {
@@ -59,6 +60,7 @@ class VtkMessages {
   vtkLogger::Verbosity verbosity_ = vtkLogger::GetCurrentVerbosityCutoff();
 };
 
+/// Runs a reader of VTK's; null when it fails.
 template <class Reader, class Prepare>
 vtkSmartPointer<vtkPolyData> run_reader(const std::string& path, const Prepare& prepare) {
   VtkMessages messages;
@@ -66,18 +68,27 @@ vtkSmartPointer<vtkPolyData> run_reader(const std::string& path, const Prepare& 
   reader->SetFileName(path.c_str());
   prepare(*reader);
   reader->Update();
-  if (messages.failed() || reader->GetErrorCode() != 0 || !reader->GetOutput()) {
+  return messages.failed() || reader->GetErrorCode() != 0 ? nullptr : reader->GetOutput();
+}
+
+/// VTK trusts numbers in its files: it is let read on trial first.
+template <class Reader, class Prepare>
+vtkSmartPointer<vtkPolyData> try_reader(const std::string& path, const Prepare& prepare) {
+  vtkSmartPointer<vtkPolyData> data;
+  if (survives(reading_memory(file_size(path)), [&] { run_reader<Reader>(path, prepare); }))
+    data = run_reader<Reader>(path, prepare);
+  if (!data) {
     throw_bad_input(path, "it cannot be read as a surface: truncated, corrupt or another format",
                     "write the surface again");
   }
-  return reader->GetOutput();
+  return data;
 }
 
 vtkSmartPointer<vtkPolyData> read_poly_data(const std::string& path, const std::string& ending) {
   const auto nothing = [](auto&) {};
-  if (ending == ".vtp") return run_reader<vtkXMLPolyDataReader>(path, nothing);
-  if (ending == ".vtk") return run_reader<vtkPolyDataReader>(path, nothing);
-  return run_reader<vtkSTLReader>(path, [](vtkSTLReader& reader) { reader.MergingOff(); });
+  if (ending == ".vtp") return try_reader<vtkXMLPolyDataReader>(path, nothing);
+  if (ending == ".vtk") return try_reader<vtkPolyDataReader>(path, nothing);
+  return try_reader<vtkSTLReader>(path, [](vtkSTLReader& reader) { reader.MergingOff(); });
 }
 
 // VTK reads as many triangles as it finds, whatever the number before them says.

@@ -1,0 +1,93 @@
+#include "io/trial.h"
+
+#include <fcntl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <fstream>
+#include <string>
+
+#include "vasamesh/errors.h"
+
+namespace vasamesh {
+namespace {
+
+enum ExitStatus { kReturned = 0, kThrewError = 1, kThrewOther = 2 };
+
+std::int64_t address_space() {
+  long pages = 0;
+  std::ifstream("/proc/self/statm") >> pages;
+  return static_cast<std::int64_t>(pages) * sysconf(_SC_PAGESIZE);
+}
+
+void limit_process(std::int64_t most_bytes) {
+  const rlimit no_core{0, 0};
+  setrlimit(RLIMIT_CORE, &no_core);
+  rlimit memory{};
+  getrlimit(RLIMIT_AS, &memory);
+  memory.rlim_cur = std::min(memory.rlim_cur, static_cast<rlim_t>(address_space() + most_bytes));
+  setrlimit(RLIMIT_AS, &memory);
+  for (const int signal : {SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGILL}) std::signal(signal, SIG_DFL);
+}
+
+void silence() {
+  const int nowhere = open("/dev/null", O_WRONLY);
+  dup2(nowhere, STDOUT_FILENO);
+  dup2(nowhere, STDERR_FILENO);
+}
+
+/// The copy's part: the message of an Error goes into the pipe, after a byte of its code.
+[[noreturn]] void run_trial(int pipe, std::int64_t most_bytes, const std::function<void()>& work) {
+  silence();
+  limit_process(most_bytes);
+  try {
+    work();
+  } catch (const Error& error) {
+    const std::string text = static_cast<char>(error.code()) + std::string(error.what());
+    const ssize_t written = write(pipe, text.data(), text.size());
+    _exit(written == static_cast<ssize_t>(text.size()) ? kThrewError : kThrewOther);
+  } catch (...) {
+    _exit(kThrewOther);
+  }
+  _exit(kReturned);
+}
+
+std::string read_all(int pipe) {
+  std::string text;
+  std::array<char, 4096> bytes;
+  for (ssize_t got = 1; got != 0;) {
+    got = read(pipe, bytes.data(), bytes.size());
+    if (got < 0 && errno != EINTR) break;
+    if (got > 0) text.append(bytes.data(), static_cast<std::size_t>(got));
+  }
+  return text;
+}
+
+}  // namespace
+
+bool survives(std::int64_t most_bytes, const std::function<void()>& work) {
+  int ends[2];
+  if (pipe2(ends, O_CLOEXEC) != 0) return true;
+  const pid_t child = fork();
+  if (child == 0) run_trial(ends[1], most_bytes, work);
+  close(ends[1]);
+  const std::string message = child > 0 ? read_all(ends[0]) : std::string();
+  close(ends[0]);
+  if (child < 0) return true;
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  if (!WIFEXITED(status)) return false;
+  if (WEXITSTATUS(status) == kThrewError) {
+    throw Error(static_cast<ErrorCode>(static_cast<unsigned char>(message.front())),
+                message.substr(1));
+  }
+  return WEXITSTATUS(status) == kReturned;
+}
+
+}  // namespace vasamesh

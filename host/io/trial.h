@@ -1,0 +1,22 @@
+#pragma once
+
+/// \file
+/// Trying out what may stop the program, or take memory without bound.
+
+#include <cstdint>
+#include <functional>
+
+namespace vasamesh {
+
+/// Runs `work` in a copy of this process, which prints nothing, whose changes are lost, and which
+/// may take `most_bytes` of memory beyond what the process has. \return whether it returned: false
+/// after a signal (an assertion of a library, a fault) or an exception that is no Error. True,
+/// without a trial, where no copy can be made. \throws Error the one that `work` throws.
+bool survives(std::int64_t most_bytes, const std::function<void()>& work);
+
+/// What a library may take to read files of `bytes` in all, compressed ones among them.
+inline std::int64_t reading_memory(std::int64_t bytes) {
+  return (std::int64_t{1} << 28) + 200 * bytes;
+}
+
+}  // namespace vasamesh
