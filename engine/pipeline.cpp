@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <utility>
+#include <vector>
 
 #include "scheduler.h"
 #include "stages/lattice.h"
@@ -10,6 +11,7 @@
 #include "stages/points.h"
 #include "stages/poisson.h"
 #include "stages/quality.h"
+#include "stages/relabel.h"
 #include "stages/surface.h"
 #include "stages/topology_count.h"
 #include "stages/verify.h"
@@ -17,6 +19,31 @@
 namespace vasamesh {
 
 namespace {
+
+/// The piece whose voxels are nearest to a node of the cell lattice; kNone past two voxels.
+std::int32_t piece_near(const PieceLookup& lookup, const std::array<int, 3>& node) {
+  for (int reach = 0; reach <= 2; ++reach)
+    for (int z = -reach; z <= reach; ++z)
+      for (int y = -reach; y <= reach; ++y)
+        for (int x = -reach; x <= reach; ++x) {
+          const std::int32_t piece =
+              lookup.at((node[0] >> 1) + x, (node[1] >> 1) + y, (node[2] >> 1) + z);
+          if (piece != PieceLookup::kNone) return piece;
+        }
+  return PieceLookup::kNone;
+}
+
+/// Takes the filled tunnels and cavities off what the surface must have.
+void take_off(const std::vector<Closing>& closings, Solid& solid, RelabelReport& report) {
+  for (const Closing& closing : closings) {
+    const std::int32_t piece = piece_near(solid.lookup, closing.node);
+    if (piece == PieceLookup::kNone) continue;
+    Piece& own = solid.findings.pieces[static_cast<std::size_t>(piece)];
+    --(closing.tunnel ? own.handles : own.cavities);
+    --(closing.tunnel ? solid.topology.handles : solid.topology.cavities);
+    ++(closing.tunnel ? report.handles_closed : report.cavities_closed);
+  }
+}
 
 /// The whole method, in the order of the paper.
 Result run_pipeline(const VolumeView& volume, const Parameters& parameters, Scheduler& scheduler) {
@@ -58,17 +85,20 @@ Result run_pipeline(const VolumeView& volume, const Parameters& parameters, Sche
 
   scheduler.begin("topology", Stage::lattice);
   Lattice lattice = build_lattice(host, object, points, scale, octree, parameters);
-  report.relabel = relabel(scheduler, scale, lattice);
+  std::vector<Closing> closings;
+  report.relabel =
+      relabel(scheduler, scale, lattice, parameters.close_handles ? &closings : nullptr);
 
   scheduler.begin("surface", Stage::surface);
   result.mesh = extract_base_surface(host, lattice);
   place_in_space(host, volume.geometry, parameters.space, result.mesh);
 
   scheduler.begin("check", Stage::verify);
+  report.input = solid.findings;
+  take_off(closings, solid, report.relabel);
   const SolidMatch wanted = {&solid, volume.geometry, parameters.space};
   report.check = check_surface(host, result.mesh, &wanted);
   report.quality = measure_quality(host, result.mesh);
-  report.input = std::move(solid.findings);
   scheduler.end();
   report.stages = scheduler.take_reports();
   if (!report.check.passed)

@@ -211,13 +211,15 @@ class Backend : public Memory {
                               View<const float> refined, View<float> values) = 0;
 
   /// How many nodes of each colour (the parities of x, y, z: bit 0, 1, 2) and brick may change and
-  /// have a label that is not the value's sign: counts[colour * bricks.count + b].
-  virtual void relabel_count(const BrickView& bricks, View<const std::uint8_t> state,
-                             View<const float> values, View<std::uint32_t> counts) = 0;
+  /// have a label that is not the value's sign: counts[colour * bricks.count + b]. None in bricks
+  /// that are not `active`.
+  virtual void relabel_count(const BrickView& bricks, View<const std::uint8_t> active,
+                             View<const std::uint8_t> state, View<const float> values,
+                             View<std::uint32_t> counts) = 0;
   /// Writes those nodes (512 b + cell), ordered by colour, brick, cell; starts: scan of counts.
-  virtual void relabel_collect(const BrickView& bricks, View<const std::uint8_t> state,
-                               View<const float> values, View<const std::uint32_t> starts,
-                               View<std::uint32_t> nodes) = 0;
+  virtual void relabel_collect(const BrickView& bricks, View<const std::uint8_t> active,
+                               View<const std::uint8_t> state, View<const float> values,
+                               View<const std::uint32_t> starts, View<std::uint32_t> nodes) = 0;
 
   /// Flips the labels of the listed nodes (all of one colour, so that none sees another) that are
   /// simple and whose |value| is at least `threshold`. \return how many.
@@ -228,10 +230,12 @@ class Backend : public Memory {
 
   /// Marks nodes where the labels leave the solid too far: centres of boundary faces without a
   /// label change within `limit`, and both ends of lattice edges whose crossing is farther than
-  /// `limit` (voxel lengths) from every such centre. marks: a byte a node. \return how many.
-  virtual std::uint32_t lattice_mark_far(const BrickView& bricks, const Scale& scale, float limit,
-                                         View<const std::uint8_t> state,
-                                         View<const float> values, View<std::uint8_t> marks) = 0;
+  /// `limit` (voxel lengths) from every such centre. marks: a byte a node, 0 in bricks that are not
+  /// `active`. \return how many.
+  virtual std::uint32_t lattice_mark_far(const BrickView& bricks, View<const std::uint8_t> active,
+                                         const Scale& scale, float limit,
+                                         View<const std::uint8_t> state, View<const float> values,
+                                         View<std::uint8_t> marks) = 0;
 
   /// Leads the values near marked nodes back to the solid's: value = (1 - d) value + d g,
   /// d = (1 - distance^2 / radius^2)^2 to the nearest mark, g from the solid's labels round the

@@ -103,20 +103,21 @@ class PartialBackend : public Backend {
                       View<const std::int32_t>, View<const float>, View<float>) override {
     missing("lattice_sample");
   }
-  void relabel_count(const BrickView&, View<const std::uint8_t>, View<const float>,
-                     View<std::uint32_t>) override {
+  void relabel_count(const BrickView&, View<const std::uint8_t>, View<const std::uint8_t>,
+                     View<const float>, View<std::uint32_t>) override {
     missing("relabel_count");
   }
-  void relabel_collect(const BrickView&, View<const std::uint8_t>, View<const float>,
-                       View<const std::uint32_t>, View<std::uint32_t>) override {
+  void relabel_collect(const BrickView&, View<const std::uint8_t>, View<const std::uint8_t>,
+                       View<const float>, View<const std::uint32_t>, View<std::uint32_t>) override {
     missing("relabel_collect");
   }
   std::uint32_t relabel_sweep(const BrickView&, View<const std::uint8_t>, View<const float>, float,
                               View<const std::uint32_t>, View<std::uint8_t>) override {
     missing("relabel_sweep");
   }
-  std::uint32_t lattice_mark_far(const BrickView&, const Scale&, float, View<const std::uint8_t>,
-                                 View<const float>, View<std::uint8_t>) override {
+  std::uint32_t lattice_mark_far(const BrickView&, View<const std::uint8_t>, const Scale&, float,
+                                 View<const std::uint8_t>, View<const float>,
+                                 View<std::uint8_t>) override {
     missing("lattice_mark_far");
   }
   void lattice_blend(const BrickView&, View<const std::uint8_t>, float, View<const std::uint8_t>,

@@ -186,8 +186,7 @@ class NearestList {
 /// One point whose neighbours are sought.
 struct Query {
   Vec position, gradient;
-  std::array<int, 3> voxel;   // in the brick
-  std::array<int, 3> corner;  // of the brick, in voxels
+  std::array<int, 3> voxel;
 };
 
 /// The rows of voxels in reach, (dy, dz), nearest first.
@@ -210,7 +209,7 @@ struct Gaps {
   Gaps(const Query& query, const Scale& scale) {
     for (int axis = 0; axis < 3; ++axis)
       for (int i = 0; i < kBlock; ++i) {
-        const int voxel = query.corner[axis] + query.voxel[axis] + i - kReach;
+        const int voxel = query.voxel[axis] + i - kReach;
         const float below = static_cast<float>(voxel) - query.position[axis];
         const float above = query.position[axis] - static_cast<float>(voxel + 1);
         const float gap = std::max(std::max(below, above), 0.0f) * scale[axis];
@@ -223,36 +222,51 @@ struct Gaps {
 bool make_neighbour(std::span<const Neighbourhood::Sample> samples, const Query& query,
                     const Scale& scale, Neighbour& neighbour) {
   Vec sum{0, 0, 0};
-  int agreeing = 0;
+  float agreeing = 0;
   for (const Neighbourhood::Sample& sample : samples) {
-    if (!(dot(sample.gradient, query.gradient) > kSameSheet)) continue;
-    for (int axis = 0; axis < 3; ++axis) sum[axis] += sample.position[axis] - query.position[axis];
-    ++agreeing;
+    // a factor in place of a branch, which both sheets of a thin vessel make unpredictable
+    const float agrees = dot(sample.gradient, query.gradient) > kSameSheet ? 1.0f : 0.0f;
+    for (int axis = 0; axis < 3; ++axis)
+      sum[axis] += agrees * (sample.position[axis] - query.position[axis]);
+    agreeing += agrees;
   }
   if (agreeing == 0) return false;
   for (int axis = 0; axis < 3; ++axis)
-    neighbour.offset[axis] = (sum[axis] / static_cast<float>(agreeing)) * scale[axis];
+    neighbour.offset[axis] = (sum[axis] / agreeing) * scale[axis];
   neighbour.distance = dot(neighbour.offset, neighbour.offset);
   neighbour.index = samples.front().index;
   return true;
 }
 
-/// The nearest neighbours; skips rows and voxels that are farther than those at hand.
-void find_neighbours(const Neighbourhood& near, const Query& query, const Scale& scale,
-                     NearestList& nearest) {
+/// A voxel with samples in reach of another, and where it lies in the block round that one.
+struct Candidate {
+  std::span<const Neighbourhood::Sample> samples;
+  std::array<int, 3> place;
+};
+
+/// The voxels in reach of voxel (x, y, z) that have samples, the nearest rows first.
+void collect_candidates(const Neighbourhood& near, int x, int y, int z,
+                        std::vector<Candidate>& candidates) {
   static const RowOffsets rows;
+  candidates.clear();
+  for (const auto [dy, dz] : rows.offset) {
+    if (near.row_is_empty(x, y + dy, z + dz)) continue;
+    for (int dx = -kReach; dx <= kReach; ++dx)
+      if (const auto samples = near.voxel(x + dx, y + dy, z + dz); !samples.empty())
+        candidates.push_back({samples, {dx + kReach, dy + kReach, dz + kReach}});
+  }
+}
+
+/// The nearest neighbours; skips voxels that are farther than those at hand.
+void find_neighbours(std::span<const Candidate> candidates, const Query& query, const Scale& scale,
+                     NearestList& nearest) {
   const Gaps gaps(query, scale);
-  const auto [x, y, z] = query.voxel;
   Neighbour neighbour;
   nearest.clear();
-  for (const auto [dy, dz] : rows.offset) {
-    const float row_gap = gaps.square[1][dy + kReach] + gaps.square[2][dz + kReach];
-    if (nearest.excludes(row_gap) || near.row_is_empty(x, y + dy, z + dz)) continue;
-    for (int dx = -kReach; dx <= kReach; ++dx) {
-      const auto samples = near.voxel(x + dx, y + dy, z + dz);
-      if (samples.empty() || nearest.excludes(row_gap + gaps.square[0][dx + kReach])) continue;
-      if (make_neighbour(samples, query, scale, neighbour)) nearest.offer(neighbour);
-    }
+  for (const Candidate& candidate : candidates) {
+    const auto [x, y, z] = candidate.place;
+    if (nearest.excludes(gaps.square[0][x] + gaps.square[1][y] + gaps.square[2][z])) continue;
+    if (make_neighbour(candidate.samples, query, scale, neighbour)) nearest.offer(neighbour);
   }
 }
 
@@ -294,6 +308,15 @@ Vec plane_normal(std::span<const Neighbour> neighbours, const Vec& gradient, con
   return is_against(normal, area) ? gradient : normal;
 }
 
+/// What one task of the covariance pass holds.
+struct Workspace {
+  explicit Workspace(int neighbours) : nearest(neighbours) {}
+
+  Neighbourhood near;
+  std::vector<Candidate> candidates;
+  NearestList nearest;
+};
+
 }  // namespace
 
 void TbbBackend::normals_gradient(const BitView& object, const PointView& points,
@@ -311,27 +334,29 @@ void TbbBackend::normals_covariance(const PointView& points, const BrickView& br
                                     View<const std::uint32_t> voxel_start, const Scale& scale,
                                     int k, std::array<View<const float>, 3> gradients,
                                     std::array<View<float>, 3> normals) {
-  const auto estimate_brick = [&](std::size_t brick, Neighbourhood& near, NearestList& nearest) {
-    near.gather(points, bricks, voxel_start, gradients, brick);
+  const auto estimate_brick = [&](std::size_t brick, Workspace& work) {
+    work.near.gather(points, bricks, voxel_start, gradients, brick);
     const BrickCoord at = bricks.coords[brick];
     for (int voxel = 0; voxel < kBrickCells; ++voxel) {
-      const std::size_t v = brick * kBrickCells + voxel;
-      for (std::uint32_t i = voxel_start[v]; i < voxel_start[v + 1]; ++i) {
+      const std::uint32_t first = voxel_start[brick * kBrickCells + voxel],
+                          last = voxel_start[brick * kBrickCells + voxel + 1];
+      if (first == last) continue;
+      const int x = voxel & 7, y = voxel >> 3 & 7, z = voxel >> 6;
+      collect_candidates(work.near, x, y, z, work.candidates);
+      for (std::uint32_t i = first; i < last; ++i) {
         const Query query{load(points.position, i),
                           load(gradients, i),
-                          {voxel & 7, voxel >> 3 & 7, voxel >> 6},
-                          {8 * at.x, 8 * at.y, 8 * at.z}};
-        find_neighbours(near, query, scale, nearest);
-        store(normals, i, plane_normal(nearest.entries(), query.gradient, load(points.area, i)));
+                          {8 * at.x + x, 8 * at.y + y, 8 * at.z + z}};
+        find_neighbours(work.candidates, query, scale, work.nearest);
+        store(normals, i,
+              plane_normal(work.nearest.entries(), query.gradient, load(points.area, i)));
       }
     }
   };
   for_each((bricks.count + kBrickGrain - 1) / kBrickGrain, 1, [&](std::size_t task) {
-    const auto near = std::make_unique<Neighbourhood>();
-    NearestList nearest(k + 1);
+    const auto work = std::make_unique<Workspace>(k + 1);
     const std::size_t end = std::min((task + 1) * kBrickGrain, bricks.count);
-    for (std::size_t brick = task * kBrickGrain; brick < end; ++brick)
-      estimate_brick(brick, *near, nearest);
+    for (std::size_t brick = task * kBrickGrain; brick < end; ++brick) estimate_brick(brick, *work);
   });
 }
 

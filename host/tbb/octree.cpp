@@ -37,17 +37,35 @@ bool reaches(float p, float width) {
   return p > 0.5f - reach && p < 7.5f + reach;
 }
 
-/// Cells of fine bricks round a coarse cell, along one axis: brick (0..3 of `children`) and cell.
-struct FineCell {
-  int brick, cell;
+/// Adding points to the right-hand side of one brick.
+struct Splat {
+  PointView points;
+  Kernel kernel;
+  float per_voxel;              ///< cells a voxel
+  std::array<float, 3> side;    ///< of a cell, voxel lengths
+  std::array<float, 3> corner;  ///< of the brick, voxels
+
+  void add(std::uint32_t p, float* sum) const {
+    const float knots = kernel.at(points.thickness[p]);
+    float at[3], width[3];
+    for (std::size_t i = 0; i < 3; ++i) {
+      at[i] = (points.position[i][p] - corner[i]) * per_voxel;
+      width[i] = std::max(knots / side[i], 1.0f);
+    }
+    if (!reaches(at[0], width[0]) || !reaches(at[1], width[1]) || !reaches(at[2], width[2])) return;
+    const AxisWeights wx(at[0], width[0]), wy(at[1], width[1]), wz(at[2], width[2]);
+    const float ax = points.area[0][p] / side[0], ay = points.area[1][p] / side[1],
+                az = points.area[2][p] / side[2];
+    for (int z = wz.first; z < wz.last; ++z)
+      for (int y = wy.first; y < wy.last; ++y) {
+        const float along = ax * (wy.value[y] * wz.value[z]);
+        const float across =
+            ay * (wy.difference[y] * wz.value[z]) + az * (wy.value[y] * wz.difference[z]);
+        float* row = sum + brick_cell(0, y, z);
+        for (int x = 0; x < 8; ++x) row[x] += along * wx.difference[x] + across * wx.value[x];
+      }
+  }
 };
-
-FineCell fine_cell(int coarse_cell, int tap) {
-  const int fine = 2 * coarse_cell - 1 + tap + 8;  // from the corner of fine brick 2 B - 1
-  return {fine >> 3, fine & 7};
-}
-
-constexpr float kRestrict[4] = {0.25f, 0.75f, 0.75f, 0.25f};
 
 }  // namespace
 
@@ -74,48 +92,29 @@ void TbbBackend::poisson_splat(const LevelView& level, const PointIndex& index,
                                const PointView& points, const Scale& scale, const Kernel& kernel,
                                View<float> right_hand_side) {
   const float cell = std::ldexp(1.0f, level.exponent);  // voxels, exact
-  const float per_voxel = 1.0f / cell;
-  const std::array<float, 3> side = {scale[0] * cell, scale[1] * cell, scale[2] * cell};
+  Splat splat{points, kernel, 1.0f / cell, {}, {}};
   std::array<int, 3> reach;  // voxels
-  for (int i = 0; i < 3; ++i) {
-    const float width = std::max(kernel.thick, kernel.thin) / side[i];
-    reach[i] = static_cast<int>(std::ceil((1.5f * std::max(width, 1.0f) + 0.5f) * cell)) + 1;
+  for (std::size_t i = 0; i < 3; ++i) {
+    splat.side[i] = scale[i] * cell;
+    const float width = std::max(std::max(kernel.thick, kernel.thin) / splat.side[i], 1.0f);
+    reach[i] = static_cast<int>(std::ceil((1.5f * width + 0.5f) * cell)) + 1;
   }
   for_each(level.bricks.count, kGrain, [=](std::size_t brick) {
     const BrickCoord coord = level.bricks.coords[brick];
     const int brick_at[3] = {coord.x, coord.y, coord.z};
+    Splat own = splat;
     VoxelRange box[3];
-    float corner[3];
-    for (int i = 0; i < 3; ++i) {
-      const VoxelRange own = brick_voxels(level.exponent, brick_at[i]);
-      const int low = ((own.first >> 3) - 1) * 8, high = low + 8 * index.side;
-      box[i] = {std::max(own.first - reach[i], low), std::min(own.last + reach[i], high)};
-      corner[i] = static_cast<float>(own.first);
+    for (std::size_t i = 0; i < 3; ++i) {
+      const VoxelRange voxels = brick_voxels(level.exponent, brick_at[i]);
+      const int low = ((voxels.first >> 3) - 1) * 8, high = low + 8 * index.side;
+      box[i] = {std::max(voxels.first - reach[i], low), std::min(voxels.last + reach[i], high)};
+      own.corner[i] = static_cast<float>(voxels.first);
     }
     float sum[kBrickCells] = {};
-    visit_points(
-        index, level.exponent, brick, coord, box, [&](std::uint32_t from, std::uint32_t to) {
-          for (std::uint32_t p = from; p < to; ++p) {
-            const float width = kernel.thin + (kernel.thick - kernel.thin) * points.thickness[p];
-            const auto weights = [&](int i) {
-              return AxisWeights((points.position[i][p] - corner[i]) * per_voxel,
-                                 std::max(width / side[i], 1.0f));
-            };
-            const AxisWeights wx = weights(0), wy = weights(1), wz = weights(2);
-            if (wx.first >= wx.last || wy.first >= wy.last || wz.first >= wz.last) continue;
-            const float ax = points.area[0][p] / side[0], ay = points.area[1][p] / side[1],
-                        az = points.area[2][p] / side[2];
-            for (int z = wz.first; z < wz.last; ++z)
-              for (int y = wy.first; y < wy.last; ++y) {
-                const float along = ax * (wy.value[y] * wz.value[z]);
-                const float across =
-                    ay * (wy.difference[y] * wz.value[z]) + az * (wy.value[y] * wz.difference[z]);
-                float* row = sum + brick_cell(0, y, z);
-                for (int x = 0; x < 8; ++x)
-                  row[x] += along * wx.difference[x] + across * wx.value[x];
-              }
-          }
-        });
+    visit_points(index, level.exponent, brick, coord, box,
+                 [&](std::uint32_t from, std::uint32_t to) {
+                   for (std::uint32_t p = from; p < to; ++p) own.add(p, sum);
+                 });
     std::copy_n(sum, kBrickCells, right_hand_side.data() + kBrickCells * brick);
   });
 }
@@ -124,22 +123,37 @@ void TbbBackend::poisson_restrict(const LevelView& coarse, View<const std::int32
                                   View<const float> fine_values, View<float> coarse_values) {
   for_each(coarse.bricks.count, kGrain, [=](std::size_t brick) {
     const std::int32_t* fine = children.data() + 64 * brick;
+    // The 18^3 fine cells round the brick, then restricted an axis at a time.
+    float f[18][18][18], fx[18][18][8], fy[18][8][8];
+    for (int z = 0; z < 18; ++z)
+      for (int y = 0; y < 18; ++y)
+        for (int x = 0; x < 18; ++x) {
+          const int gx = x + 7, gy = y + 7, gz = z + 7;  // from the corner of brick 2 B - 1
+          const std::int32_t from = fine[(gx >> 3) + 4 * ((gy >> 3) + 4 * (gz >> 3))];
+          f[z][y][x] = from == kNoBrick ? 0.0f
+                                        : fine_values[std::size_t{kBrickCells} * from +
+                                                      brick_cell(gx & 7, gy & 7, gz & 7)];
+        }
+    const auto restrict_four = [](float a, float b, float c, float d) {
+      return 0.25f * (a + d) + 0.75f * (b + c);
+    };
+    for (int z = 0; z < 18; ++z)
+      for (int y = 0; y < 18; ++y)
+        for (int x = 0; x < 8; ++x) {
+          const float* row = f[z][y] + 2 * x;
+          fx[z][y][x] = restrict_four(row[0], row[1], row[2], row[3]);
+        }
+    for (int z = 0; z < 18; ++z)
+      for (int y = 0; y < 8; ++y)
+        for (int x = 0; x < 8; ++x)
+          fy[z][y][x] = restrict_four(fx[z][2 * y][x], fx[z][2 * y + 1][x], fx[z][2 * y + 2][x],
+                                      fx[z][2 * y + 3][x]);
+    float* out = coarse_values.data() + kBrickCells * brick;
     for (int z = 0; z < 8; ++z)
       for (int y = 0; y < 8; ++y)
-        for (int x = 0; x < 8; ++x) {
-          float sum = 0;
-          for (int k = 0; k < 4; ++k)
-            for (int j = 0; j < 4; ++j)
-              for (int i = 0; i < 4; ++i) {
-                const FineCell fx = fine_cell(x, i), fy = fine_cell(y, j), fz = fine_cell(z, k);
-                const std::int32_t from = fine[fx.brick + 4 * (fy.brick + 4 * fz.brick)];
-                if (from == kNoBrick) continue;
-                sum += (kRestrict[i] * kRestrict[j] * kRestrict[k]) *
-                       fine_values[std::size_t{kBrickCells} * from +
-                                   brick_cell(fx.cell, fy.cell, fz.cell)];
-              }
-          coarse_values[kBrickCells * brick + brick_cell(x, y, z)] = sum;
-        }
+        for (int x = 0; x < 8; ++x)
+          out[brick_cell(x, y, z)] = restrict_four(fy[2 * z][y][x], fy[2 * z + 1][y][x],
+                                                   fy[2 * z + 2][y][x], fy[2 * z + 3][y][x]);
   });
 }
 

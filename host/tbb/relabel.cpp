@@ -135,24 +135,27 @@ float solid_field(const std::int32_t* near, const std::uint8_t* state, std::size
 
 }  // namespace
 
-void TbbBackend::relabel_count(const BrickView& bricks, View<const std::uint8_t> state,
-                               View<const float> values, View<std::uint32_t> counts) {
+void TbbBackend::relabel_count(const BrickView& bricks, View<const std::uint8_t> active,
+                               View<const std::uint8_t> state, View<const float> values,
+                               View<std::uint32_t> counts) {
   for_each(bricks.count, kGrain, [=](std::size_t brick) {
     for (int colour = 0; colour < 8; ++colour) {
       std::uint32_t count = 0;
-      visit_colour(colour, [&](int cell) {
-        const std::size_t node = kBrickCells * brick + cell;
-        count += (state[node] & kFree) && wrong(state[node], values[node]);
-      });
+      if (active[brick])
+        visit_colour(colour, [&](int cell) {
+          const std::size_t node = kBrickCells * brick + cell;
+          count += (state[node] & kFree) && wrong(state[node], values[node]);
+        });
       counts[static_cast<std::size_t>(colour) * bricks.count + brick] = count;
     }
   });
 }
 
-void TbbBackend::relabel_collect(const BrickView& bricks, View<const std::uint8_t> state,
-                                 View<const float> values, View<const std::uint32_t> starts,
-                                 View<std::uint32_t> nodes) {
+void TbbBackend::relabel_collect(const BrickView& bricks, View<const std::uint8_t> active,
+                                 View<const std::uint8_t> state, View<const float> values,
+                                 View<const std::uint32_t> starts, View<std::uint32_t> nodes) {
   for_each(bricks.count, kGrain, [=](std::size_t brick) {
+    if (!active[brick]) return;
     for (int colour = 0; colour < 8; ++colour) {
       std::uint32_t next = starts[static_cast<std::size_t>(colour) * bricks.count + brick];
       visit_colour(colour, [&](int cell) {
@@ -183,7 +186,8 @@ std::uint32_t TbbBackend::relabel_sweep(const BrickView& bricks, View<const std:
   return flips;
 }
 
-std::uint32_t TbbBackend::lattice_mark_far(const BrickView& bricks, const Scale& scale, float limit,
+std::uint32_t TbbBackend::lattice_mark_far(const BrickView& bricks, View<const std::uint8_t> active,
+                                           const Scale& scale, float limit,
                                            View<const std::uint8_t> state, View<const float> values,
                                            View<std::uint8_t> marks) {
   float longest = 0;
@@ -198,6 +202,7 @@ std::uint32_t TbbBackend::lattice_mark_far(const BrickView& bricks, const Scale&
   std::atomic<std::uint32_t> total{0};
   fill(marks, std::uint8_t{0});
   for_each(bricks.count, kGrain, [&](std::size_t brick) {
+    if (!active[brick]) return;
     const std::int32_t* near = bricks.neighbours.data() + 27 * brick;
     std::uint32_t count = 0;
     for (int cell = 0; cell < kBrickCells; ++cell) {

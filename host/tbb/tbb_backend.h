@@ -93,17 +93,18 @@ class TbbBackend final : public Backend {
   void lattice_sample(const BrickView& bricks, View<const std::int32_t> in_regular,
                       View<const float> regular, View<const std::int32_t> in_refined,
                       View<const float> refined, View<float> values) override;
-  void relabel_count(const BrickView& bricks, View<const std::uint8_t> state,
-                     View<const float> values, View<std::uint32_t> counts) override;
-  void relabel_collect(const BrickView& bricks, View<const std::uint8_t> state,
-                       View<const float> values, View<const std::uint32_t> starts,
-                       View<std::uint32_t> nodes) override;
+  void relabel_count(const BrickView& bricks, View<const std::uint8_t> active,
+                     View<const std::uint8_t> state, View<const float> values,
+                     View<std::uint32_t> counts) override;
+  void relabel_collect(const BrickView& bricks, View<const std::uint8_t> active,
+                       View<const std::uint8_t> state, View<const float> values,
+                       View<const std::uint32_t> starts, View<std::uint32_t> nodes) override;
   std::uint32_t relabel_sweep(const BrickView& bricks, View<const std::uint8_t> simple,
                               View<const float> values, float threshold,
                               View<const std::uint32_t> nodes, View<std::uint8_t> state) override;
-  std::uint32_t lattice_mark_far(const BrickView& bricks, const Scale& scale, float limit,
-                                 View<const std::uint8_t> state, View<const float> values,
-                                 View<std::uint8_t> marks) override;
+  std::uint32_t lattice_mark_far(const BrickView& bricks, View<const std::uint8_t> active,
+                                 const Scale& scale, float limit, View<const std::uint8_t> state,
+                                 View<const float> values, View<std::uint8_t> marks) override;
   void lattice_blend(const BrickView& bricks, View<const std::uint8_t> marks, float radius,
                      View<const std::uint8_t> state, View<float> values) override;
   std::uint32_t lattice_clamp(const BrickView& bricks, float least, View<const std::uint8_t> state,
