@@ -1,0 +1,58 @@
+#include "machine.h"
+
+#include <benchmark/benchmark.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <functional>
+#include <thread>
+#include <vector>
+
+namespace vasamesh {
+namespace {
+
+constexpr std::size_t kElements = std::size_t{1} << 24;  // 64 MiB an array
+constexpr std::size_t kLanes = 64, kRounds = 1 << 21;
+constexpr int kRepeats = 7;
+
+/// Best seconds of `work(thread)` on all threads at once.
+double best_seconds(int threads, const std::function<void(int)>& work) {
+  double best = 1e30;
+  for (int repeat = 0; repeat < kRepeats; ++repeat) {
+    const auto start = std::chrono::steady_clock::now();
+    std::vector<std::thread> others;
+    for (int t = 1; t < threads; ++t) others.emplace_back(work, t);
+    work(0);
+    for (std::thread& other : others) other.join();
+    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+    best = std::min(best, seconds.count());
+  }
+  return best;
+}
+
+}  // namespace
+
+double measure_bandwidth(int threads) {
+  std::vector<float> a(kElements, 1.0f), b(kElements, 2.0f), c(kElements, 0.5f);
+  const std::size_t part = kElements / static_cast<std::size_t>(threads);
+  const double seconds = best_seconds(threads, [&](int thread) {
+    const std::size_t first = part * static_cast<std::size_t>(thread);
+    for (std::size_t i = first; i < first + part; ++i) a[i] = b[i] + 3.0f * c[i];
+    benchmark::ClobberMemory();
+  });
+  return 12.0 * static_cast<double>(part) * threads / seconds;
+}
+
+double measure_arithmetic(int threads) {
+  const double seconds = best_seconds(threads, [](int) {
+    std::array<float, kLanes> x;
+    x.fill(0.5f);
+    for (std::size_t round = 0; round < kRounds; ++round)
+      for (float& lane : x) lane = lane * 0.9f + 0.1f;
+    benchmark::DoNotOptimize(x);
+  });
+  return 2.0 * kLanes * kRounds * threads / seconds;
+}
+
+}  // namespace vasamesh
