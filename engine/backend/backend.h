@@ -228,10 +228,10 @@ class Backend : public Memory {
                                       View<const std::uint32_t> nodes,
                                       View<std::uint8_t> state) = 0;
 
-  /// Marks nodes where the labels leave the solid too far: centres of boundary faces without a
-  /// label change within `limit`, and both ends of lattice edges whose crossing is farther than
-  /// `limit` (voxel lengths) from every such centre. marks: a byte a node, 0 in bricks that are not
-  /// `active`. \return how many.
+  /// Marks nodes where the labels leave the solid too far, by more than `limit` (voxel lengths):
+  /// centres of boundary faces, and corners between such faces, without the surface near; and
+  /// relabelled nodes with a crossed edge whose crossing is far from every such centre. marks: a
+  /// byte a node, 0 in bricks that are not `active`. \return how many.
   virtual std::uint32_t lattice_mark_far(const BrickView& bricks, View<const std::uint8_t> active,
                                          const Scale& scale, float limit,
                                          View<const std::uint8_t> state, View<const float> values,

@@ -42,71 +42,6 @@ void visit_colour(int colour, const Visit& visit) {
       for (int x = colour & 1; x < 8; x += 2) visit(brick_cell(x, y, z));
 }
 
-/// An offset in nodes and its length in voxel lengths.
-struct Reach {
-  int x, y, z;
-  float length;
-};
-
-/// Offsets of at most `limit`, shortest first; ties in raster order.
-std::vector<Reach> offsets_within(const Scale& scale, float limit, int most) {
-  std::vector<Reach> offsets;
-  for (int z = -most; z <= most; ++z)
-    for (int y = -most; y <= most; ++y)
-      for (int x = -most; x <= most; ++x) {
-        const float dx = 0.5f * scale[0] * static_cast<float>(x),
-                    dy = 0.5f * scale[1] * static_cast<float>(y),
-                    dz = 0.5f * scale[2] * static_cast<float>(z);
-        const float length = std::sqrt((dx * dx + dy * dy) + dz * dz);
-        if (length <= limit) offsets.push_back({x, y, z, length});
-      }
-  std::stable_sort(offsets.begin(), offsets.end(),
-                   [](const Reach& a, const Reach& b) { return a.length < b.length; });
-  return offsets;
-}
-
-constexpr int kFarReach = 6;  // nodes searched along each axis
-
-/// Squared distance from a point (nodes from the brick's corner) to the nearest face centre among
-/// the offsets round a node; more than the limit's square when there is none.
-float nearest_face_centre(const std::int32_t* near, const std::uint8_t* state, const Scale& scale,
-                          const std::vector<Reach>& offsets, const int (&node)[3],
-                          const float (&point)[3], float edge_length) {
-  float best = 1e30f;
-  for (const Reach& o : offsets) {
-    const float least = o.length - edge_length;
-    if (least > 0 && least * least > best) break;
-    const std::size_t other = node_at(near, node[0] + o.x, node[1] + o.y, node[2] + o.z);
-    if (other == kNoNode || !(state[other] & kFaceCentre)) continue;
-    const float dx = 0.5f * scale[0] * (static_cast<float>(node[0] + o.x) - point[0]),
-                dy = 0.5f * scale[1] * (static_cast<float>(node[1] + o.y) - point[1]),
-                dz = 0.5f * scale[2] * (static_cast<float>(node[2] + o.z) - point[2]);
-    best = std::min(best, (dx * dx + dy * dy) + dz * dz);
-  }
-  return best;
-}
-
-/// Whether two nodes at this offset are joined by an edge of the lattice.
-bool is_edge(const Reach& o) {
-  const int least = std::min({o.x, o.y, o.z}), most = std::max({o.x, o.y, o.z});
-  return (least >= 0 && most == 1) || (most <= 0 && least == -1);
-}
-
-/// Whether the surface passes within `limit` of a node: it crosses an edge of the node there, or
-/// lies before a node there that has another label.
-bool surface_near(const std::int32_t* near, const std::uint8_t* state, const float* values,
-                  std::size_t node, const int (&at)[3], const std::vector<Reach>& offsets,
-                  float limit) {
-  const float own = std::fabs(values[node]);
-  for (const Reach& o : offsets) {
-    const std::size_t other = node_at(near, at[0] + o.x, at[1] + o.y, at[2] + o.z);
-    if (other == kNoNode || !((state[other] ^ state[node]) & kLabel)) continue;
-    const float part = is_edge(o) ? own / (own + std::fabs(values[other])) : 1.0f;
-    if (o.length * part <= limit) return true;
-  }
-  return false;
-}
-
 /// The occupancy as a quadratic B-spline with a coefficient a voxel, minus one half, kept on the
 /// side of the solid's label. Where it is linear, its zero set lies on the voxels' faces.
 float solid_field(const std::int32_t* near, const std::uint8_t* state, std::size_t node, int x,
@@ -184,57 +119,6 @@ std::uint32_t TbbBackend::relabel_sweep(const BrickView& bricks, View<const std:
     flips += flipped;
   });
   return flips;
-}
-
-std::uint32_t TbbBackend::lattice_mark_far(const BrickView& bricks, View<const std::uint8_t> active,
-                                           const Scale& scale, float limit,
-                                           View<const std::uint8_t> state, View<const float> values,
-                                           View<std::uint8_t> marks) {
-  float longest = 0;
-  std::array<float, 8> edge_length{};
-  for (int d = 1; d < 8; ++d) {
-    const float dx = d & 1 ? 0.5f * scale[0] : 0, dy = d & 2 ? 0.5f * scale[1] : 0,
-                dz = d & 4 ? 0.5f * scale[2] : 0;
-    edge_length[d] = std::sqrt((dx * dx + dy * dy) + dz * dz);
-    longest = std::max(longest, edge_length[d]);
-  }
-  const std::vector<Reach> search = offsets_within(scale, limit + longest, kFarReach);
-  std::atomic<std::uint32_t> total{0};
-  fill(marks, std::uint8_t{0});
-  for_each(bricks.count, kGrain, [&](std::size_t brick) {
-    if (!active[brick]) return;
-    const std::int32_t* near = bricks.neighbours.data() + 27 * brick;
-    std::uint32_t count = 0;
-    for (int cell = 0; cell < kBrickCells; ++cell) {
-      const std::size_t node = kBrickCells * brick + cell;
-      const int at[3] = {cell & 7, cell >> 3 & 7, cell >> 6};
-      const std::uint8_t own = state[node];
-      bool far = false;
-      if (own & kFaceCentre) {
-        far = !surface_near(near, state.data(), values.data(), node, at, search, limit);
-      } else if ((own & kLabel) != (own >> 1 & 1)) {
-        // A relabelled node: the crossings of its edges. Only such nodes have far ones.
-        for (std::size_t i = 0; i < kLink.size() && !far; ++i) {
-          const NodeOffset o = kLink[i];
-          const std::size_t other = node_at(near, at[0] + o.x, at[1] + o.y, at[2] + o.z);
-          if (other == kNoNode || !((state[other] ^ own) & kLabel)) continue;
-          if (state[other] & kFaceCentre) continue;
-          const float a = values[node], b = values[other];
-          const float t = (a > 0) != (b > 0) ? a / (a - b) : 0.5f;
-          const float point[3] = {static_cast<float>(at[0]) + t * static_cast<float>(o.x),
-                                  static_cast<float>(at[1]) + t * static_cast<float>(o.y),
-                                  static_cast<float>(at[2]) + t * static_cast<float>(o.z)};
-          const float length = edge_length[i % 7 + 1];
-          far = nearest_face_centre(near, state.data(), scale, search, at, point, length) >
-                limit * limit;
-        }
-      }
-      marks[node] = far;
-      count += far;
-    }
-    total += count;
-  });
-  return total;
 }
 
 void TbbBackend::lattice_blend(const BrickView& bricks, View<const std::uint8_t> marks,

@@ -21,22 +21,42 @@ Word nonzero_bytes(Word bytes) {
   return ((flags >> 7) * 0x0102040810204080u) >> 56;
 }
 
+/// Up to eight voxels from voxel x of a row, as bits.
+Word eight_voxels(const unsigned char* row, VoxelFormat format, std::size_t x, std::size_t left) {
+  if (format == VoxelFormat::bits) return row[x / 8] & (0xffu >> (8 - left));
+  Word bytes = 0;
+  std::memcpy(&bytes, row + x, left);
+  return nonzero_bytes(bytes);
+}
+
+/// How many voxels from x on, in steps of 64 bytes, are background; most of a vessel volume is.
+std::size_t empty_run(const unsigned char* row, std::size_t x, std::size_t size) {
+  const std::size_t first = x;
+  for (; x + 64 <= size; x += 64) {
+    Word any = 0;
+    for (std::size_t i = 0; i < 64; i += 8) {
+      Word bytes;
+      std::memcpy(&bytes, row + x + i, 8);
+      any |= bytes;
+    }
+    if (any != 0) break;
+  }
+  return x - first;
+}
+
 /// Packs one row of the caller's voxels into the words, from bit kPad on.
 void pack_row(const VolumeView& volume, std::size_t row, Word* out, int words) {
   std::fill_n(out, words, Word{0});
   const auto size = static_cast<std::size_t>(volume.geometry.size[0]);
-  const bool packed = volume.format == VoxelFormat::bits;
+  const bool bytes = volume.format == VoxelFormat::bytes;
   const auto* from =
-      static_cast<const unsigned char*>(volume.data) + row * (packed ? (size + 7) / 8 : size);
+      static_cast<const unsigned char*>(volume.data) + row * (bytes ? size : (size + 7) / 8);
   for (std::size_t x = 0; x < size; x += 8) {
-    const std::size_t left = std::min<std::size_t>(8, size - x);
-    Word eight = 0;
-    if (packed) {
-      eight = from[x / 8] & (0xffu >> (8 - left));
-    } else {
-      std::memcpy(&eight, from + x, left);
-      if (eight != 0) eight = nonzero_bytes(eight);
-    }
+    if (bytes && x % 64 == 0) x += empty_run(from, x, size);
+    if (x >= size) break;
+    const std::size_t left = size - x;
+    const Word eight = left >= 8 ? eight_voxels(from, volume.format, x, 8)
+                                 : eight_voxels(from, volume.format, x, left);
     const std::size_t bit = x + kPad;
     out[bit / 64] |= eight << (bit % 64);
   }
