@@ -116,18 +116,29 @@ std::uint32_t label_row(const VoxelRows& voxels, int y, int z, const Join& join)
   return spread(join(u >> 2, u >> 3) & 15u) | spread(u >> 3 & 15u) << 1;
 }
 
-/// Clears the corner nodes that two object voxels alone touch, opposite over the corner.
-std::uint32_t without_corner_contacts(const VoxelRows& voxels, int y, int z, std::uint32_t row) {
-  if ((y & 1) || (z & 1)) return row;
+/// The corner nodes of a row (y and z even, 0 to 8) that two object voxels alone touch, opposite
+/// over the corner; bits 0, 2 .. 8.
+std::uint32_t corner_contacts(const VoxelRows& voxels, int y, int z) {
   const int y1 = y / 2 + kVoxelMargin, z1 = z / 2 + kVoxelMargin;
-  for (int x = 0; x < 8; x += 2) {
+  std::uint32_t contacts = 0;
+  for (int x = 0; x <= 8; x += 2) {
     const int x0 = x / 2 + kVoxelMargin - 1;
     std::uint32_t corner = 0;
     for (int k = 0; k < 4; ++k)
       corner |= (voxels[z1 - 1 + k / 2][y1 - 1 + k % 2] >> x0 & 3u) << 2 * k;
-    if (corner == 0x81 || corner == 0x42 || corner == 0x24 || corner == 0x18) row &= ~(1u << x);
+    if (corner == 0x81 || corner == 0x42 || corner == 0x24 || corner == 0x18) contacts |= 1u << x;
   }
-  return row;
+  return contacts;
+}
+
+/// The nodes of a row at such contacts: the corners, and the edges that end there. (Edges alone
+/// would still join the two voxels, since the cut joins their midpoints across the corner.)
+std::uint32_t trimmed_row(const VoxelRows& voxels, int y, int z) {
+  if ((y & 1) && (z & 1)) return 0;
+  if (y & 1) return corner_contacts(voxels, y - 1, z) | corner_contacts(voxels, y + 1, z);
+  if (z & 1) return corner_contacts(voxels, y, z - 1) | corner_contacts(voxels, y, z + 1);
+  const std::uint32_t corners = corner_contacts(voxels, y, z);
+  return corners | corners << 1 | corners >> 1;
 }
 
 std::uint32_t solid_row(const VoxelRows& voxels, int connectivity, int y, int z) {
@@ -135,7 +146,7 @@ std::uint32_t solid_row(const VoxelRows& voxels, int connectivity, int y, int z)
   const auto all = [](std::uint32_t a, std::uint32_t b) { return a & b; };
   if (connectivity == 6) return label_row(voxels, y, z, all);
   const std::uint32_t row = label_row(voxels, y, z, any);
-  return connectivity == 18 ? without_corner_contacts(voxels, y, z, row) : row;
+  return connectivity == 18 ? row & ~trimmed_row(voxels, y, z) : row;
 }
 
 /// Values at the nodes of a brick from the refined level, whose cells lie between the nodes.
