@@ -83,7 +83,9 @@ TEST_P(SmallPhantoms, ProvenAndNearMarchingCubes) {
   const Phantom phantom = GetParam().make();
   const Result result = convert(phantom.view(), {}, context());
   expect_proven(result, phantom.view(), Connectivity::vertex);
-  if (phantom.topology) EXPECT_EQ(result.report.check.topology, *phantom.topology);
+  if (phantom.topology) {
+    EXPECT_EQ(result.report.check.topology, *phantom.topology);
+  }
   expect_near_marching_cubes(result.mesh, {phantom.geometry, phantom.voxels}, kMeanOnPhantoms);
 }
 

@@ -281,7 +281,9 @@ TEST_P(ConjugateGradient, ReachesTheDenseSolution) {
   const std::vector<float> got = to_host(backend(), x.view());
   for (std::size_t i = 0; i < n; ++i) {
     ASSERT_NEAR(got[i], want[static_cast<Eigen::Index>(i)], 1e-4) << i;
-    if (!unknown[i]) ASSERT_EQ(got[i], start[i]);
+    if (!unknown[i]) {
+      ASSERT_EQ(got[i], start[i]);
+    }
   }
 }
 
