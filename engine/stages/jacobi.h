@@ -44,7 +44,7 @@ inline void jacobi_rotate(float a[3][3], float v[3][3], int p, int q, int r, flo
 inline Eigen3 eigen_symmetric(float xx, float xy, float xz, float yy, float yz, float zz) {
   float a[3][3] = {{xx, xy, xz}, {xy, yy, yz}, {xz, yz, zz}};
   float v[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-  const float least = 1e-9f * ((xx + yy) + zz);
+  const float least = 1e-7f * ((xx + yy) + zz);
   for (int sweep = 0; sweep < kJacobiSweeps; ++sweep) {
     jacobi_rotate(a, v, 0, 1, 2, least);
     jacobi_rotate(a, v, 0, 2, 1, least);
