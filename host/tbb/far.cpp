@@ -15,7 +15,8 @@ namespace vasamesh {
 namespace {
 
 constexpr std::size_t kGrain = 16;  // bricks a task takes
-constexpr int kFarReach = 6;        // nodes searched along each axis
+constexpr int kNearReach = 3;       // nodes searched along each axis: for the surface near one
+constexpr int kFarReach = 6;        // nodes searched along each axis: for crossings and faces
 
 /// An offset in nodes and its length in voxel lengths.
 struct Reach {
@@ -24,6 +25,41 @@ struct Reach {
 };
 
 using Position = std::array<float, 3>;  // nodes, from the brick's corner
+
+/// The states of a brick's nodes and of those up to four away; kMissing where there is none.
+struct StateHalo {
+  static constexpr int kMargin = 4;
+  static constexpr int kSide = 8 + 2 * kMargin;
+
+  static constexpr int at(int x, int y, int z) {
+    return (x + kMargin) + kSide * ((y + kMargin) + kSide * (z + kMargin));
+  }
+
+  StateHalo(const std::int32_t* near, const std::uint8_t* state) {
+    for (int z = -kMargin; z < 8 + kMargin; ++z)
+      for (int y = -kMargin; y < 8 + kMargin; ++y) {
+        std::uint8_t* row = values + at(0, y, z);
+        const std::size_t first = node_at(near, 0, y, z);
+        for (int x = 0; x < 8; ++x) row[x] = first == kNoNode ? kMissing : state[first + x];
+        for (int x = 1; x <= kMargin; ++x) {
+          const std::size_t left = node_at(near, -x, y, z), right = node_at(near, 7 + x, y, z);
+          row[-x] = left == kNoNode ? kMissing : state[left];
+          row[7 + x] = right == kNoNode ? kMissing : state[right];
+        }
+      }
+  }
+
+  static constexpr std::uint8_t kMissing = 0x80;
+  std::uint8_t values[kSide * kSide * kSide];
+};
+
+/// An offset at which the surface is looked for: as an index of the halo, and whether an edge of
+/// the lattice leads there.
+struct NearOffset {
+  Reach reach;
+  int index;
+  bool edge;
+};
 
 /// The twelve edges of a marching cube round a lattice corner: the faces between its voxels.
 constexpr std::array<NodeOffset, 12> kCubeFaces = {{{0, -1, -1},
@@ -51,25 +87,45 @@ class FarTest {
       edge_length_[static_cast<std::size_t>(d)] = length(o.x, o.y, o.z);
       longest = std::max(longest, edge_length_[static_cast<std::size_t>(d)]);
     }
-    search_ = offsets_within(limit + longest);
+    search_ = offsets_within(limit + longest, kFarReach);
+    for (const Reach& o : offsets_within(std::max(limit, longest), kNearReach)) {
+      const int low = std::min({o.x, o.y, o.z}), high = std::max({o.x, o.y, o.z});
+      const bool edge = (low >= 0 && high == 1) || (high <= 0 && low == -1);
+      if (edge || o.length <= limit)
+        near_.push_back({o, StateHalo::at(o.x, o.y, o.z) - StateHalo::at(0, 0, 0), edge});
+    }
   }
 
-  bool is_far(std::size_t brick, int cell) const {
-    const Node node = {bricks_.neighbours.data() + 27 * brick, kBrickCells * brick + cell, cell & 7,
-                       cell >> 3 & 7, cell >> 6};
-    const std::uint8_t own = state_[node.index];
-    if (own & kFaceCentre) return !surface_near(node, limit_);
-    if (!((node.x | node.y | node.z) & 1) && cube_is_far(node)) return true;
-    // A relabelled node: the crossings of its edges. Only such nodes have far ones.
-    return (own & kLabel) != (own >> 1 & 1) && crossings_are_far(node);
+  /// Marks the brick's nodes. \return how many are far.
+  std::uint32_t mark(std::size_t brick, std::uint8_t* marks) const {
+    const std::int32_t* near = bricks_.neighbours.data() + 27 * brick;
+    const StateHalo halo(near, state_);
+    std::uint32_t count = 0;
+    for (int cell = 0; cell < kBrickCells; ++cell) {
+      const Node node = {
+          near,     &halo,         kBrickCells * brick + static_cast<std::size_t>(cell),
+          cell & 7, cell >> 3 & 7, cell >> 6};
+      marks[cell] = is_far(node);
+      count += marks[cell];
+    }
+    return count;
   }
 
  private:
   struct Node {
     const std::int32_t* near;
+    const StateHalo* halo;
     std::size_t index;
     int x, y, z;
   };
+
+  bool is_far(const Node& node) const {
+    const std::uint8_t own = state_[node.index];
+    if (own & kFaceCentre) return surface_distance(node, limit_) > limit_;
+    if (!((node.x | node.y | node.z) & 1) && cube_is_far(node)) return true;
+    // A relabelled node: the crossings of its edges. Only such nodes have far ones.
+    return (own & kLabel) != (own >> 1 & 1) && crossings_are_far(node);
+  }
 
   float length(int x, int y, int z) const {
     const float dx = 0.5f * scale_[0] * static_cast<float>(x),
@@ -85,11 +141,11 @@ class FarTest {
   }
 
   /// Offsets of at most `most`, shortest first; ties in raster order.
-  std::vector<Reach> offsets_within(float most) const {
+  std::vector<Reach> offsets_within(float most, int reach) const {
     std::vector<Reach> offsets;
-    for (int z = -kFarReach; z <= kFarReach; ++z)
-      for (int y = -kFarReach; y <= kFarReach; ++y)
-        for (int x = -kFarReach; x <= kFarReach; ++x)
+    for (int z = -reach; z <= reach; ++z)
+      for (int y = -reach; y <= reach; ++y)
+        for (int x = -reach; x <= reach; ++x)
           if (const float l = length(x, y, z); l <= most) offsets.push_back({x, y, z, l});
     std::stable_sort(offsets.begin(), offsets.end(),
                      [](const Reach& a, const Reach& b) { return a.length < b.length; });
@@ -106,17 +162,25 @@ class FarTest {
     return own + other > 0 ? own / (own + other) : 0.5f;
   }
 
-  /// Whether the surface passes within `most` of a node: it crosses an edge of the node there, or
-  /// lies before a node there that has another label.
-  bool surface_near(const Node& node, float most) const {
-    for (const Reach& o : search_) {
-      const std::size_t other = node_at(node.near, node.x + o.x, node.y + o.y, node.z + o.z);
-      if (other == kNoNode || !differ(node.index, other)) continue;
-      const int low = std::min({o.x, o.y, o.z}), high = std::max({o.x, o.y, o.z});
-      const bool edge = (low >= 0 && high == 1) || (high <= 0 && low == -1);
-      if (o.length * (edge ? crossing(node.index, other) : 1.0f) <= most) return true;
+  /// A bound from above of a node's distance to the surface: to where it crosses an edge of the
+  /// node, or to a node of another label, the nearest of all; more than the limit where there is
+  /// none. Any bound up to `enough` will do.
+  float surface_distance(const Node& node, float enough) const {
+    const std::uint8_t* own = node.halo->values + StateHalo::at(node.x, node.y, node.z);
+    float best = 2 * limit_;
+    for (const NearOffset& offset : near_) {
+      const std::uint8_t other = own[offset.index];
+      if (!((other ^ *own) & kLabel) || (other & StateHalo::kMissing)) continue;
+      const Reach& o = offset.reach;
+      float distance = o.length;
+      if (offset.edge) {
+        const std::size_t end = node_at(node.near, node.x + o.x, node.y + o.y, node.z + o.z);
+        distance *= crossing(node.index, end);
+      }
+      best = std::min(best, distance);
+      if (best <= enough) break;
     }
-    return false;
+    return best;
   }
 
   bool crossings_are_far(const Node& node) const {
@@ -149,20 +213,34 @@ class FarTest {
   /// Whether the middle between two boundary faces of the marching cube round a corner is far from
   /// the surface: there the cube's triangles may lie.
   bool cube_is_far(const Node& node) const {
-    std::array<Position, 12> faces;
+    struct Face {
+      Position at;
+      float distance;  // to the surface, from above
+    };
+    std::array<Face, 12> faces;
     std::size_t count = 0;
     for (const NodeOffset& o : kCubeFaces) {
-      const int x = node.x + o.x, y = node.y + o.y, z = node.z + o.z;
-      const std::size_t other = node_at(node.near, x, y, z);
-      if (other != kNoNode && (state_[other] & kFaceCentre))
-        faces[count++] = {static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)};
+      Node face = {node.near, node.halo, 0, node.x + o.x, node.y + o.y, node.z + o.z};
+      const std::uint8_t state = node.halo->values[StateHalo::at(face.x, face.y, face.z)];
+      if ((state & StateHalo::kMissing) || !(state & kFaceCentre)) continue;
+      face.index = node_at(face.near, face.x, face.y, face.z);
+      faces[count++] = {
+          {static_cast<float>(face.x), static_cast<float>(face.y), static_cast<float>(face.z)},
+          surface_distance(face, 0)};
     }
-    if (count < 2 || surface_near(node, 0.5f * limit_)) return false;
-    const std::vector<Position> surface = crossings_round(node);
+    if (count < 2) return false;
+    const Position corner = {static_cast<float>(node.x), static_cast<float>(node.y),
+                             static_cast<float>(node.z)};
+    const float from_corner = surface_distance(node, 0);
+    std::vector<Position> surface;
     for (std::size_t i = 0; i < count; ++i)
       for (std::size_t j = 0; j < i; ++j) {
+        const float half = 0.5f * std::sqrt(square(faces[i].at, faces[j].at));
+        if (std::min(faces[i].distance, faces[j].distance) + half <= limit_) continue;
         Position middle;
-        for (std::size_t k = 0; k < 3; ++k) middle[k] = 0.5f * (faces[i][k] + faces[j][k]);
+        for (std::size_t k = 0; k < 3; ++k) middle[k] = 0.5f * (faces[i].at[k] + faces[j].at[k]);
+        if (from_corner + std::sqrt(square(corner, middle)) <= limit_) continue;
+        if (surface.empty()) surface = crossings_round(node);
         const bool near = std::any_of(surface.begin(), surface.end(), [&](const Position& p) {
           return square(p, middle) <= limit_ * limit_;
         });
@@ -198,7 +276,8 @@ class FarTest {
   const std::uint8_t* state_;
   const float* values_;
   std::array<float, 8> edge_length_{};
-  std::vector<Reach> search_;
+  std::vector<Reach> search_;     ///< for crossings and faces
+  std::vector<NearOffset> near_;  ///< for the surface near a node
 };
 
 }  // namespace
@@ -212,13 +291,7 @@ std::uint32_t TbbBackend::lattice_mark_far(const BrickView& bricks, View<const s
   fill(marks, std::uint8_t{0});
   for_each(bricks.count, kGrain, [&](std::size_t brick) {
     if (!active[brick]) return;
-    std::uint32_t count = 0;
-    for (int cell = 0; cell < kBrickCells; ++cell) {
-      const bool far = test.is_far(brick, cell);
-      marks[kBrickCells * brick + cell] = far;
-      count += far;
-    }
-    total += count;
+    total += test.mark(brick, marks.data() + kBrickCells * brick);
   });
   return total;
 }

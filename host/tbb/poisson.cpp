@@ -18,48 +18,56 @@ float brick_dot(const float* a, const float* b) {
   return ((lane[0] + lane[4]) + (lane[2] + lane[6])) + ((lane[1] + lane[5]) + (lane[3] + lane[7]));
 }
 
-/// A brick with one layer of face neighbours round it.
-struct Halo {
-  float value[10][10][10];
-};
+/// A brick of a field and its face neighbours, by rows of eight; zeros where there is none.
+struct BrickRows {
+  BrickRows(const BrickView& bricks, std::size_t brick, const float* field) {
+    static constexpr float kZeros[kBrickCells] = {};
+    const std::int32_t* near = bricks.neighbours.data() + 27 * brick;
+    const auto from = [&](int dx, int dy, int dz) {
+      const std::int32_t b = near[brick_neighbour(dx, dy, dz)];
+      return b == kNoBrick ? kZeros : field + std::size_t{kBrickCells} * b;
+    };
+    own = from(0, 0, 0);
+    left = from(-1, 0, 0), right = from(1, 0, 0);
+    front = from(0, -1, 0), back = from(0, 1, 0);
+    below = from(0, 0, -1), above = from(0, 0, 1);
+  }
 
-void gather(const BrickView& bricks, std::size_t brick, const float* field, Halo& halo) {
-  const std::int32_t* near = bricks.neighbours.data() + 27 * brick;
-  const auto from = [&](int dx, int dy, int dz) -> const float* {
-    const std::int32_t b = near[brick_neighbour(dx, dy, dz)];
-    return b == kNoBrick ? nullptr : field + std::size_t{kBrickCells} * b;
-  };
-  const float* own = from(0, 0, 0);
-  for (int z = 0; z < 8; ++z)
-    for (int y = 0; y < 8; ++y)
-      for (int x = 0; x < 8; ++x) halo.value[z + 1][y + 1][x + 1] = own[brick_cell(x, y, z)];
-  const float *xl = from(-1, 0, 0), *xh = from(1, 0, 0), *yl = from(0, -1, 0), *yh = from(0, 1, 0),
-              *zl = from(0, 0, -1), *zh = from(0, 0, 1);
-  for (int b = 0; b < 8; ++b)
-    for (int a = 0; a < 8; ++a) {
-      halo.value[b + 1][a + 1][0] = xl ? xl[brick_cell(7, a, b)] : 0;
-      halo.value[b + 1][a + 1][9] = xh ? xh[brick_cell(0, a, b)] : 0;
-      halo.value[b + 1][0][a + 1] = yl ? yl[brick_cell(a, 7, b)] : 0;
-      halo.value[b + 1][9][a + 1] = yh ? yh[brick_cell(a, 0, b)] : 0;
-      halo.value[0][b + 1][a + 1] = zl ? zl[brick_cell(a, b, 7)] : 0;
-      halo.value[9][b + 1][a + 1] = zh ? zh[brick_cell(a, b, 0)] : 0;
-    }
-}
+  /// The row at (y, z); one of the two may be -1 or 8.
+  const float* row(int y, int z) const {
+    const float* brick = y < 0 ? front : y > 7 ? back : z < 0 ? below : z > 7 ? above : own;
+    return brick + brick_cell(0, y & 7, z & 7);
+  }
+
+  const float *own, *left, *right, *front, *back, *below, *above;
+};
 
 /// out = A p on the whole brick, unmasked.
 void apply_brick(const LevelView& level, std::size_t brick, const float* p, float* out) {
-  Halo h;
-  gather(level.bricks, brick, p, h);
+  const BrickRows rows(level.bricks, brick, p);
   const float wx = level.weights[0], wy = level.weights[1], wz = level.weights[2];
   for (int z = 0; z < 8; ++z)
-    for (int y = 0; y < 8; ++y)
+    for (int y = 0; y < 8; ++y) {
+      const float *own = rows.row(y, z), *front = rows.row(y - 1, z), *back = rows.row(y + 1, z),
+                  *below = rows.row(y, z - 1), *above = rows.row(y, z + 1);
+      float along[10];
+      along[0] = rows.left[brick_cell(7, y, z)];
+      for (int x = 0; x < 8; ++x) along[x + 1] = own[x];
+      along[9] = rows.right[brick_cell(0, y, z)];
+      float* result = out + brick_cell(0, y, z);
       for (int x = 0; x < 8; ++x) {
-        const float two = 2.0f * h.value[z + 1][y + 1][x + 1];
-        const float tx = (two - h.value[z + 1][y + 1][x]) - h.value[z + 1][y + 1][x + 2];
-        const float ty = (two - h.value[z + 1][y][x + 1]) - h.value[z + 1][y + 2][x + 1];
-        const float tz = (two - h.value[z][y + 1][x + 1]) - h.value[z + 2][y + 1][x + 1];
-        out[brick_cell(x, y, z)] = (wx * tx + wy * ty) + wz * tz;
+        const float two = 2.0f * own[x];
+        const float tx = (two - along[x]) - along[x + 2];
+        const float ty = (two - front[x]) - back[x];
+        const float tz = (two - below[x]) - above[x];
+        result[x] = (wx * tx + wy * ty) + wz * tz;
       }
+    }
+}
+
+/// Clears the cells that are not unknown.
+void mask(const std::uint8_t* unknown, float* values) {
+  for (int c = 0; c < kBrickCells; ++c) values[c] = unknown[c] ? values[c] : 0.0f;
 }
 
 constexpr std::size_t kGrain = 8;  // bricks a task takes
@@ -72,7 +80,7 @@ void TbbBackend::poisson_apply(const LevelView& level, View<const std::uint8_t> 
     const std::size_t first = brick * kBrickCells;
     float* out = q.data() + first;
     apply_brick(level, brick, p.data(), out);
-    for (int c = 0; c < kBrickCells; ++c) out[c] = unknown[first + c] ? out[c] : 0.0f;
+    mask(unknown.data() + first, out);
     partial[brick] = brick_dot(p.data() + first, out);
   });
 }
@@ -84,7 +92,8 @@ void TbbBackend::poisson_residual(const LevelView& level, View<const std::uint8_
     const std::size_t first = brick * kBrickCells;
     float* out = r.data() + first;
     apply_brick(level, brick, x.data(), out);
-    for (int c = 0; c < kBrickCells; ++c) out[c] = unknown[first + c] ? b[first + c] - out[c] : 0.0f;
+    for (int c = 0; c < kBrickCells; ++c) out[c] = b[first + c] - out[c];
+    mask(unknown.data() + first, out);
     partial[brick] = brick_dot(out, out);
   });
 }
