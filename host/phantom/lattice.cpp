@@ -24,10 +24,10 @@ std::vector<std::array<int, 2>> halves(const Block& block, int a, int side) {
   return {{low, middle}, {middle, high}};
 }
 
-void split(const Block& block, const Lattice& lattice, int side, double margin,
+void split(const Block& block, const VoxelGrid& lattice, int side, double margin,
            std::vector<Block>& found);
 
-void split_children(const Block& block, const Lattice& lattice, int side, double margin,
+void split_children(const Block& block, const VoxelGrid& lattice, int side, double margin,
                     std::vector<Block>& found) {
   for (const auto& z : halves(block, 2, side))
     for (const auto& y : halves(block, 1, side))
@@ -45,7 +45,7 @@ void split_children(const Block& block, const Lattice& lattice, int side, double
       }
 }
 
-void split(const Block& block, const Lattice& lattice, int side, double margin,
+void split(const Block& block, const VoxelGrid& lattice, int side, double margin,
            std::vector<Block>& found) {
   if (block.inside || single_block(block, side))
     found.push_back(block);
@@ -53,7 +53,7 @@ void split(const Block& block, const Lattice& lattice, int side, double margin,
     split_children(block, lattice, side, margin, found);
 }
 
-void fill_block(const Block& block, const Lattice& lattice, std::vector<std::uint8_t>& voxels) {
+void fill_block(const Block& block, const VoxelGrid& lattice, std::vector<std::uint8_t>& voxels) {
   for (int k = block.low[2]; k < block.high[2]; ++k)
     for (int j = block.low[1]; j < block.high[1]; ++j)
       for (int i = block.low[0]; i < block.high[0]; ++i) {
@@ -63,7 +63,7 @@ void fill_block(const Block& block, const Lattice& lattice, std::vector<std::uin
       }
 }
 
-void draw_point(const Vec3& p, const Lattice& lattice, std::vector<std::uint8_t>& voxels) {
+void draw_point(const Vec3& p, const VoxelGrid& lattice, std::vector<std::uint8_t>& voxels) {
   const Vec3 index = (p - lattice.start).cwiseQuotient(lattice.step);
   const auto i = static_cast<int>(std::floor(index[0] + 0.5));
   const auto j = static_cast<int>(std::floor(index[1] + 0.5));
@@ -75,20 +75,20 @@ void draw_point(const Vec3& p, const Lattice& lattice, std::vector<std::uint8_t>
 
 }  // namespace
 
-std::vector<Block> find_blocks(const Solid& solid, const Lattice& lattice, int side,
+std::vector<Block> find_blocks(const Shape& solid, const VoxelGrid& lattice, int side,
                                double margin) {
   std::vector<Block> found;
   split_children({{0, 0, 0}, lattice.size, false, solid}, lattice, side, margin, found);
   return found;
 }
 
-void voxelise(const Solid& solid, const Lattice& lattice, std::vector<std::uint8_t>& voxels) {
+void voxelise(const Shape& solid, const VoxelGrid& lattice, std::vector<std::uint8_t>& voxels) {
   const std::vector<Block> blocks = find_blocks(solid, lattice, kVoxelBlock, 0);
   tbb::parallel_for(std::size_t{0}, blocks.size(),
                     [&](std::size_t b) { fill_block(blocks[b], lattice, voxels); });
 }
 
-void draw_line(const std::vector<Vec3>& points, const Lattice& lattice,
+void draw_line(const std::vector<Vec3>& points, const VoxelGrid& lattice,
                std::vector<std::uint8_t>& voxels) {
   const double step = 0.25 * lattice.step.minCoeff();
   for (std::size_t i = 0; i + 1 < points.size(); ++i) {

@@ -87,7 +87,7 @@ void validate_options(const Entry& entry, const PhantomOptions& options) {
   if (options.exact_step != 0) require_range(entry, "the exact step", options.exact_step, 0.1, 1);
 }
 
-Geometry centred_geometry(const Lattice& lattice) {
+Geometry centred_geometry(const VoxelGrid& lattice) {
   Geometry geometry;
   for (int a = 0; a < 3; ++a) {
     geometry.size[a] = lattice.size[a];
@@ -98,7 +98,7 @@ Geometry centred_geometry(const Lattice& lattice) {
 }
 
 std::vector<std::uint8_t> voxels_of(const Recipe& recipe) {
-  const Lattice& lattice = recipe.lattice;
+  const VoxelGrid& lattice = recipe.lattice;
   std::vector<std::uint8_t> voxels = recipe.drawn;
   voxels.resize(static_cast<std::size_t>(lattice.size[0]) * lattice.size[1] * lattice.size[2]);
   if (!recipe.solid.parts.empty()) voxelise(recipe.solid, lattice, voxels);
@@ -107,7 +107,7 @@ std::vector<std::uint8_t> voxels_of(const Recipe& recipe) {
 }
 
 TriangleMesh surface_of(const Recipe& recipe, const Geometry& geometry, double exact_step) {
-  const Lattice& lattice = recipe.lattice;
+  const VoxelGrid& lattice = recipe.lattice;
   const Eigen::AlignedBox3d border(
       lattice.node(0, 0, 0) - 0.5 * lattice.step,
       lattice.node(lattice.size[0] - 1, lattice.size[1] - 1, lattice.size[2] - 1) +

@@ -15,9 +15,9 @@ namespace vasamesh {
 
 /// Everything before voxelisation. Lengths in mm, in a frame of the recipe's own.
 struct Recipe {
-  Lattice lattice;                       ///< the voxels' centres
+  VoxelGrid lattice;                     ///< the voxels' centres
   std::vector<std::uint8_t> drawn;       ///< voxels set beforehand; empty for none
-  Solid solid;                           ///< voxels inside are set; empty for none
+  Shape solid;                           ///< voxels inside are set; empty for none
   std::vector<std::vector<Vec3>> lines;  ///< voxels along these polylines are set
   double exact_step = 0;                 ///< of the smallest spacing; 0: no exact surface
   double least_radius = 0;               ///< mm

@@ -19,8 +19,8 @@ constexpr double kPi = std::numbers::pi;
 Vec3 off_centre(const Ruler& ruler) { return Vec3(0.37, 0.21, 0.13).cwiseProduct(ruler.spacing); }
 
 /// The voxels round `box` and a margin. A voxel centre lies at the frame's origin.
-Lattice lattice_around(const Eigen::AlignedBox3d& box, const Vec3& spacing, int margin) {
-  Lattice lattice;
+VoxelGrid lattice_around(const Eigen::AlignedBox3d& box, const Vec3& spacing, int margin) {
+  VoxelGrid lattice;
   lattice.step = spacing;
   for (int a = 0; a < 3; ++a) {
     const int low = static_cast<int>(std::floor(box.min()[a] / spacing[a])) - margin;
@@ -31,7 +31,7 @@ Lattice lattice_around(const Eigen::AlignedBox3d& box, const Vec3& spacing, int 
   return lattice;
 }
 
-Recipe shape(Solid solid, const Ruler& ruler, double least_radius, const Topology& topology) {
+Recipe shape(Shape solid, const Ruler& ruler, double least_radius, const Topology& topology) {
   Recipe recipe;
   recipe.lattice = lattice_around(solid.bounds(), ruler.spacing, kMargin);
   recipe.solid = std::move(solid);
@@ -45,10 +45,10 @@ RoundCone ball(const Vec3& centre, double radius) { return {centre, centre, radi
 
 /// A tube of one radius along curve(t), 0 <= t <= 1, in `count` straight pieces.
 template <class Curve>
-Solid tube_along(const Curve& curve, int count, double radius) {
+Shape tube_along(const Curve& curve, int count, double radius) {
   std::vector<Vec3> points;
   for (int n = 0; n <= count; ++n) points.push_back(curve(static_cast<double>(n) / count));
-  Solid solid;
+  Shape solid;
   append_tube(solid.parts, points, std::vector<double>(points.size(), radius));
   return solid;
 }
@@ -59,7 +59,7 @@ Recipe line_on_trunk(const PhantomOptions& options, const Vec3& way) {
   const double half = 5 * ruler.radius;
   const Vec3 end =
       (std::ceil(ruler.radius / ruler.spacing.minCoeff()) + 20) * way.cwiseProduct(ruler.spacing);
-  Solid solid;
+  Shape solid;
   solid.parts.emplace_back(RoundCone({-half, 0, 0}, {half, 0, 0}, ruler.radius, ruler.radius));
   Recipe recipe = shape(std::move(solid), ruler, 0, {1, 0, 0});
   recipe.lines = {{Vec3::Zero(), end}};
@@ -81,14 +81,14 @@ Ruler::Ruler(const PhantomOptions& options, double radius_voxels, const Vec3& de
 
 Recipe sphere_recipe(const PhantomOptions& options) {
   const Ruler ruler(options, 10, kSpacing);
-  Solid solid;
+  Shape solid;
   solid.parts.emplace_back(ball(off_centre(ruler), ruler.radius));
   return shape(std::move(solid), ruler, ruler.radius, {1, 0, 0});
 }
 
 Recipe torus_recipe(const PhantomOptions& options) {
   const Ruler ruler(options, 4, kSpacing);
-  Solid solid;
+  Shape solid;
   const Vec3 axis = Vec3(0.2, 0.3, 1).normalized();
   solid.parts.emplace_back(Torus{off_centre(ruler), axis, 3.5 * ruler.radius, ruler.radius});
   return shape(std::move(solid), ruler, ruler.radius, {1, 1, 0});
@@ -111,7 +111,7 @@ Recipe y_branch_recipe(const PhantomOptions& options) {
   // Murray's angle for equal children: cos = 2^(-1/3) of each from the parent's line.
   const double along = kMurray, across = std::sqrt(1 - along * along);
   const Vec3 fork = off_centre(ruler), out = Vec3(0, 1, 0.3).normalized();
-  Solid solid;
+  Shape solid;
   solid.parts.emplace_back(RoundCone(fork - Vec3(6 * r, 0, 0), fork, r, r));
   for (const double side : {-1.0, 1.0}) {
     const Vec3 way = along * Vec3(1, 0, 0) + side * across * out;
@@ -127,7 +127,7 @@ Recipe aneurysm_recipe(const PhantomOptions& options) {
     const double angle = kPi * (0.15 + 0.7 * t);
     return Vec3(off_centre(ruler) + 8 * r * Vec3(std::cos(angle), std::sin(angle), 0.2 * t));
   };
-  Solid solid = tube_along(curve, 64, r);
+  Shape solid = tube_along(curve, 64, r);
   const Vec3 middle = curve(0.5);
   solid.parts.emplace_back(ball(middle + Vec3(0.2 * r, 2.3 * r, 0.3 * r), 2.1 * r));
   return shape(std::move(solid), ruler, r, {1, 0, 0});
@@ -139,7 +139,7 @@ Recipe two_tubes_recipe(const PhantomOptions& options) {
   // Both axes on voxel centres, one layer of background between the rows inside.
   const double rows = std::ceil(r / ruler.spacing[1]) - 1;
   const Vec3 half(5 * r, 0, 0), apart(0, (2 * rows + 2) * ruler.spacing[1], 0);
-  Solid solid;
+  Shape solid;
   solid.parts.emplace_back(RoundCone(-half, half, r, r));
   solid.parts.emplace_back(RoundCone(apart - half, apart + half, r, r));
   return shape(std::move(solid), ruler, r, {2, 0, 0});
@@ -149,7 +149,7 @@ Recipe cut_tube_recipe(const PhantomOptions& options) {
   const Ruler ruler(options, 4.5, kSpacing);
   const double r = ruler.radius;
   const Vec3 way = 12 * r * Vec3(1, 0.25, 0.15);
-  Solid solid;
+  Shape solid;
   solid.parts.emplace_back(RoundCone(off_centre(ruler) - way, off_centre(ruler) + way, r, r));
   Recipe recipe = shape(std::move(solid), ruler, r, {1, 0, 0});
   const Vec3 half(5 * r, 3 * r, 3 * r);
@@ -159,7 +159,7 @@ Recipe cut_tube_recipe(const PhantomOptions& options) {
 
 Recipe hollow_shell_recipe(const PhantomOptions& options) {
   const Ruler ruler(options, 12, kSpacing);
-  Solid solid;
+  Shape solid;
   solid.parts.emplace_back(ball(off_centre(ruler), ruler.radius));
   solid.holes.emplace_back(ball(off_centre(ruler), 0.55 * ruler.radius));
   return shape(std::move(solid), ruler, 0.55 * ruler.radius, {1, 0, 1});

@@ -74,16 +74,16 @@ Eigen::AlignedBox3d Torus::bounds() const {
   return {centre - reach, centre + reach};
 }
 
-double Solid::distance(const Vec3& p) const {
+double Shape::distance(const Vec3& p) const {
   const double outside = least_distance(parts, p);
   return holes.empty() ? outside : std::max(outside, -least_distance(holes, p));
 }
 
-Solid Solid::near(const Vec3& centre, double reach) const {
+Shape Shape::near(const Vec3& centre, double reach) const {
   return {parts_near(parts, centre, reach), parts_near(holes, centre, reach)};
 }
 
-Eigen::AlignedBox3d Solid::bounds() const {
+Eigen::AlignedBox3d Shape::bounds() const {
   Eigen::AlignedBox3d box;
   for (const Part& part : parts)
     box.extend(std::visit([](const auto& shape) { return shape.bounds(); }, part));

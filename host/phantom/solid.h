@@ -38,7 +38,7 @@ struct Torus {
 using Part = std::variant<RoundCone, Torus>;
 
 /// The union of `parts` without the union of `holes`.
-struct Solid {
+struct Shape {
   std::vector<Part> parts, holes;
 
   /// Below zero inside. Changes by no more than the way gone, and is the Euclidean distance outside
@@ -47,7 +47,7 @@ struct Solid {
 
   /// Only what lies within `reach` of a point: at a place that is `away` from `centre` the distance
   /// is right where it is at most `reach - away`, and elsewhere too large.
-  Solid near(const Vec3& centre, double reach) const;
+  Shape near(const Vec3& centre, double reach) const;
 
   /// A box round the parts; empty for none.
   Eigen::AlignedBox3d bounds() const;

@@ -35,13 +35,13 @@ struct Patch {
 };
 
 /// Whether a block holds only the lattice's last nodes along an axis: no cells.
-bool is_rim(const Block& block, const Lattice& lattice) {
+bool is_rim(const Block& block, const VoxelGrid& lattice) {
   for (int a = 0; a < 3; ++a)
     if (block.low[a] == lattice.size[a] - 1) return true;
   return false;
 }
 
-vtkSmartPointer<vtkImageData> sample_block(const Block& block, const Lattice& lattice) {
+vtkSmartPointer<vtkImageData> sample_block(const Block& block, const VoxelGrid& lattice) {
   Index3 high;
   for (int a = 0; a < 3; ++a) high[a] = std::min(block.high[a], lattice.size[a] - 1);
   vtkNew<vtkImageData> image;
@@ -60,7 +60,7 @@ vtkSmartPointer<vtkImageData> sample_block(const Block& block, const Lattice& la
   return image.Get();
 }
 
-Patch contour_block(const Block& block, const Lattice& lattice) {
+Patch contour_block(const Block& block, const VoxelGrid& lattice) {
   vtkNew<vtkFlyingEdges3D> contour;
   contour->SetInputData(sample_block(block, lattice));
   contour->SetValue(0, 0.0);
@@ -86,7 +86,7 @@ Patch contour_block(const Block& block, const Lattice& lattice) {
 }
 
 /// Newton's method along the gradient: onto the zero set.
-Vec3 project(const Solid& solid, Vec3 p, double step) {
+Vec3 project(const Shape& solid, Vec3 p, double step) {
   const double eps = 1e-4 * step;
   for (int n = 0; n < kNewtonSteps; ++n) {
     const double distance = solid.distance(p);
@@ -132,7 +132,7 @@ Joined join(const std::vector<Patch>& patches) {
 }
 
 std::vector<Vec3> projected_points(const Joined& joined, const std::vector<Block>& blocks,
-                                   const Lattice& lattice) {
+                                   const VoxelGrid& lattice) {
   std::vector<Vec3> points(joined.points.size());
   tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
     const auto& p = joined.points[i];
@@ -198,8 +198,8 @@ TriangleMesh to_mesh(vtkPolyData* surface, const Vec3& shift) {
   return mesh;
 }
 
-Lattice sampling_lattice(const Eigen::AlignedBox3d& bounds, double step) {
-  Lattice lattice;
+VoxelGrid sampling_lattice(const Eigen::AlignedBox3d& bounds, double step) {
+  VoxelGrid lattice;
   lattice.start = bounds.min() - Vec3::Constant(2.5 * step);
   lattice.step = Vec3::Constant(step);
   for (int a = 0; a < 3; ++a)
@@ -209,11 +209,11 @@ Lattice sampling_lattice(const Eigen::AlignedBox3d& bounds, double step) {
 
 }  // namespace
 
-TriangleMesh exact_surface(const Solid& solid, const Eigen::AlignedBox3d& border, double step,
+TriangleMesh exact_surface(const Shape& solid, const Eigen::AlignedBox3d& border, double step,
                            const Vec3& shift) {
   const Eigen::AlignedBox3d bounds = solid.bounds();
   const bool cut = !border.contains(bounds);
-  const Lattice lattice = sampling_lattice(cut ? bounds.intersection(border) : bounds, step);
+  const VoxelGrid lattice = sampling_lattice(cut ? bounds.intersection(border) : bounds, step);
   std::vector<Block> blocks = find_blocks(solid, lattice, kBlockCells, 4 * step);
   std::erase_if(blocks, [&](const Block& block) { return block.inside || is_rim(block, lattice); });
   std::vector<Patch> patches(blocks.size());

@@ -12,7 +12,7 @@ namespace vasamesh {
 /// every vertex off the border within 1e-4 `step` of the solid's zero set, edges of about `step`
 /// or less. Marching cubes on a lattice of that step; what is thinner may be lost. Coordinates are
 /// those of the solid plus `shift`.
-TriangleMesh exact_surface(const Solid& solid, const Eigen::AlignedBox3d& border, double step,
+TriangleMesh exact_surface(const Shape& solid, const Eigen::AlignedBox3d& border, double step,
                            const Vec3& shift);
 
 }  // namespace vasamesh

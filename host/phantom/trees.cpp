@@ -17,18 +17,18 @@ namespace {
 constexpr double kTreeStep = 0.33;
 
 /// The recipe's frame is centred on the lattice.
-Lattice centred_lattice(const Index3& size, const Vec3& spacing) {
-  Lattice lattice{size, Vec3::Zero(), spacing};
+VoxelGrid centred_lattice(const Index3& size, const Vec3& spacing) {
+  VoxelGrid lattice{size, Vec3::Zero(), spacing};
   for (int a = 0; a < 3; ++a) lattice.start[a] = -0.5 * (size[a] - 1) * spacing[a];
   return lattice;
 }
 
 /// Where a vessel that thick stays inside the lattice, however it is bent.
-Vec3 half_room(const TreePlan& plan, const Lattice& lattice, double radius) {
+Vec3 half_room(const TreePlan& plan, const VoxelGrid& lattice, double radius) {
   return -lattice.start - Vec3::Constant(kLargestBend * plan.bending + radius);
 }
 
-Recipe tree_recipe_of(TreePlan plan, const Lattice& lattice) {
+Recipe tree_recipe_of(TreePlan plan, const VoxelGrid& lattice) {
   const Vec3 half = half_room(plan, lattice, 0);
   plan.room = {-half, half};
   Recipe recipe;
@@ -75,7 +75,7 @@ Recipe tree_recipe(const PhantomOptions& options) {
   Index3 size;
   for (int a = 0; a < 3; ++a)
     size[a] = options.size ? static_cast<int>((*options.size)[a]) : 52 + random.below(37);
-  const Lattice lattice = centred_lattice(size, ruler.spacing);
+  const VoxelGrid lattice = centred_lattice(size, ruler.spacing);
   const double v = ruler.voxel;
   TreePlan plan;
   plan.seed = random.next();
@@ -96,7 +96,7 @@ Recipe tree_recipe(const PhantomOptions& options) {
 }
 
 Recipe cerebral_recipe(const PhantomOptions& options) {
-  const Lattice lattice = centred_lattice({512, 512, 170}, {0.51, 0.51, 0.80});
+  const VoxelGrid lattice = centred_lattice({512, 512, 170}, {0.51, 0.51, 0.80});
   TreePlan plan;
   plan.seed = options.seed;
   plan.tip_radius = 0.52;
@@ -118,7 +118,7 @@ Recipe cerebral_recipe(const PhantomOptions& options) {
 }
 
 Recipe liver_recipe(const PhantomOptions& options) {
-  const Lattice lattice = centred_lattice({512, 512, 279}, {0.6563, 0.6563, 0.5});
+  const VoxelGrid lattice = centred_lattice({512, 512, 279}, {0.6563, 0.6563, 0.5});
   TreePlan plan;
   plan.seed = options.seed;
   plan.tip_radius = 0.7;
@@ -131,7 +131,7 @@ Recipe liver_recipe(const PhantomOptions& options) {
 }
 
 Recipe aorta_recipe(const PhantomOptions& options) {
-  const Lattice lattice = centred_lattice({512, 512, 167}, {0.961, 0.961, 1.80});
+  const VoxelGrid lattice = centred_lattice({512, 512, 167}, {0.961, 0.961, 1.80});
   TreePlan plan;
   plan.seed = options.seed;
   plan.tip_radius = 0.9;
