@@ -226,12 +226,12 @@ class FarTest {
       face.index = node_at(face.near, face.x, face.y, face.z);
       faces[count++] = {
           {static_cast<float>(face.x), static_cast<float>(face.y), static_cast<float>(face.z)},
-          surface_distance(face, 0)};
+          surface_distance(face, 0.35f * limit_)};
     }
     if (count < 2) return false;
     const Position corner = {static_cast<float>(node.x), static_cast<float>(node.y),
                              static_cast<float>(node.z)};
-    const float from_corner = surface_distance(node, 0);
+    const float from_corner = surface_distance(node, 0.35f * limit_);
     std::vector<Position> surface;
     for (std::size_t i = 0; i < count; ++i)
       for (std::size_t j = 0; j < i; ++j) {
