@@ -1,7 +1,7 @@
 #pragma once
 
 /// \file
-/// What this machine can do at best: the measure of each stage's floor.
+/// What this machine can do at best: the measure of each stage's floor. Seconds are processor time.
 
 namespace vasamesh {
 
