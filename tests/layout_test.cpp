@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <optional>
 #include <regex>
 #include <string>
@@ -148,6 +149,22 @@ TEST(Layout, IncludesGoOneWay) {
   ASSERT_GT(sources.size(), 30u);
   for (const std::string& file : sources)
     for (const std::string& fault : check_source(file, read(kRoot / file))) ADD_FAILURE() << fault;
+}
+
+/// Types of one name in two headers would share their inline destructors: the linker keeps one.
+TEST(Layout, NoTwoHeadersDefineATypeOfOneName) {
+  static const std::regex pattern(
+      R"re(\n(?:enum )?(?:struct|class) ([A-Z]\w*)(?: final)?(?: :[^;{]*)? \{)re");
+  std::map<std::string, std::string> homes;
+  for (const std::string& file : files({".h"})) {
+    const std::string text = read(kRoot / file);
+    for (std::sregex_iterator match(text.begin(), text.end(), pattern), end; match != end;
+         ++match) {
+      const auto [home, is_new] = homes.emplace((*match)[1].str(), file);
+      EXPECT_TRUE(is_new) << home->first << " is defined in " << home->second << " and " << file;
+    }
+  }
+  EXPECT_GT(homes.size(), 50u);
 }
 
 TEST(Layout, OnlyTheOpenClBackendBuildsKernels) {

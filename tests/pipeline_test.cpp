@@ -91,18 +91,16 @@ TEST(PipelineParameters, LimitsOfRangesAreAccepted) {
 }
 
 TEST(PipelineParameters, DepthFromTwoBelowToOneAboveTheRegular) {
-  const Phantom phantom = y_branch();
-  const std::vector<LevelReport> levels = convert(phantom.view(), {}, context()).report.levels;
-  int regular = levels.front().depth;
-  for (const LevelReport& level : levels) {
-    regular = std::max(regular, level.depth);
-    EXPECT_EQ(level.cells[0], std::int64_t{24} << (level.depth - levels.front().depth));
-  }
-  if (convert(phantom.view(), {}, context()).report.thin_points > 0) --regular;
+  const DenseVolume volume = DenseVolume({20, 20, 20}).box({3, 3, 3}, {16, 16, 16});
+  const Report report = convert(volume.view(), {}, context()).report;
+  ASSERT_EQ(report.thin_points, 0);  // so that there is no refined level
+  const int regular = report.levels.back().depth;
+  for (const LevelReport& level : report.levels)
+    EXPECT_EQ(level.cells[0], std::int64_t{24} << (level.depth - report.levels.front().depth));
   for (int depth = regular - 2; depth <= regular + 1; ++depth) {
     SCOPED_TRACE(depth);
-    const Result result = convert(phantom.view(), with(&Parameters::depth, depth), context());
-    expect_good_surface(result.mesh, phantom.view());
+    const Result result = convert(volume.view(), with(&Parameters::depth, depth), context());
+    expect_good_surface(result.mesh, volume.view());
     int solved = 0;
     for (const LevelReport& level : result.report.levels)
       if (level.iterations > 0) solved = std::max(solved, level.depth);
@@ -131,6 +129,23 @@ TEST(PipelineParameters, SmallPiecesAreDroppedAndReported) {
     convert(volume.view(), with(&Parameters::min_component, std::int64_t{1000}), context());
   });
   EXPECT_EQ(error.code(), ErrorCode::bad_input);
+}
+
+TEST(PipelineParameters, ClosedHandlesAreTakenOffTheTopologyWanted) {
+  std::int64_t closed = 0;
+  for (const unsigned seed : {1u, 2u}) {
+    const DenseVolume volume = random_volume({9, 10, 11}, 0.25, seed);
+    const Topology kept = convert(volume.view(), {}, context()).report.check.wanted;
+    const Report report =
+        convert(volume.view(), with(&Parameters::close_handles, true), context()).report;
+    EXPECT_TRUE(report.check.passed);
+    EXPECT_EQ(report.check.topology, report.check.wanted);
+    EXPECT_EQ(report.check.wanted.pieces, kept.pieces);
+    EXPECT_EQ(report.check.wanted.handles + report.relabel.handles_closed, kept.handles);
+    EXPECT_EQ(report.check.wanted.cavities + report.relabel.cavities_closed, kept.cavities);
+    closed += report.relabel.handles_closed;
+  }
+  EXPECT_GT(closed, 0);
 }
 
 TEST(PipelineInput, NothingInTheForeground) {
