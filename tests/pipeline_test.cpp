@@ -107,7 +107,8 @@ TEST(PipelineParameters, DepthFromTwoBelowToOneAboveTheRegular) {
     EXPECT_EQ(solved, depth);
   }
   for (const int depth : {regular - 3, regular + 2}) {
-    const Error error = error_of(with(&Parameters::depth, depth));
+    const Error error =
+        error_of([&] { convert(volume.view(), with(&Parameters::depth, depth), context()); });
     EXPECT_EQ(error.code(), ErrorCode::usage);
     EXPECT_NE(std::string(error.what())
                   .find(std::to_string(regular - 2) + " to " + std::to_string(regular + 1)),
