@@ -9,8 +9,10 @@
 #include <filesystem>
 #include <limits>
 #include <numeric>
+#include <random>
 
 #include "io/volume_reader.h"
+#include "support/full_disk.h"
 #include "support/itk_volumes.h"
 #include "support/scratch.h"
 #include "support/volume_files.h"
@@ -332,6 +334,30 @@ TEST_F(BadVolume, OutputThatCannotBe) {
   EXPECT_EQ(code(scratch_ / "missing/a.nii"), ErrorCode::refused);
   std::filesystem::create_directory(scratch_ / "a.nii");
   EXPECT_EQ(code(scratch_ / "a.nii"), ErrorCode::refused);
+}
+
+TEST_F(BadVolume, AFullDiskLeavesTheOldFile) {
+  Segmentation segmentation{{{64, 64, 64}, {1, 1, 1}, {}, {1, 0, 0, 0, 1, 0, 0, 0, 1}}, {}};
+  std::mt19937 random(1);
+  for (int i = 0; i < 64 * 64 * 64; ++i) segmentation.voxels.push_back(random() % 2);
+  for (const char* name : {"a.nii", "a.nii.gz", "a.mha", "a.nrrd"}) {
+    SCOPED_TRACE(name);
+    write(name, "old");
+    testing::internal::CaptureStderr();
+    {
+      const FullDisk full(10'000);
+      try {
+        write_segmentation(scratch_ / name, segmentation);
+        ADD_FAILURE();
+      } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ErrorCode::refused) << error.what();
+        EXPECT_THAT(error.what(), HasSubstr("make room"));
+      }
+    }
+    EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+    EXPECT_EQ(read_text(scratch_ / name), "old");
+  }
+  EXPECT_EQ(scratch_.names().size(), 4u);
 }
 
 }  // namespace

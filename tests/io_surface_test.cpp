@@ -4,7 +4,6 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 #include <vtkFieldData.h>
 #include <vtkNew.h>
 #include <vtkPLYReader.h>
@@ -15,7 +14,6 @@
 
 #include <bit>
 #include <cmath>
-#include <csignal>
 #include <cstring>
 #include <filesystem>
 #include <limits>
@@ -23,6 +21,7 @@
 
 #include "io/atomic_file.h"
 #include "io/surface_io.h"
+#include "support/full_disk.h"
 #include "support/scratch.h"
 #include "vasamesh/errors.h"
 
@@ -258,24 +257,6 @@ TEST_F(Surfaces, OutputIsCheckedBeforeAnyWork) {
   EXPECT_THAT(scratch_.names(), ElementsAre("folder.vtp"));
   EXPECT_EQ(code_of("/proc/a.vtp"), ErrorCode::refused);
 }
-
-/// Files cannot grow past `bytes` while the object lives: a full disk.
-class FullDisk {
- public:
-  explicit FullDisk(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
-    getrlimit(RLIMIT_FSIZE, &limit_);
-    const rlimit full{bytes, limit_.rlim_max};
-    setrlimit(RLIMIT_FSIZE, &full);
-  }
-  ~FullDisk() {
-    setrlimit(RLIMIT_FSIZE, &limit_);
-    std::signal(SIGXFSZ, handler_);
-  }
-
- private:
-  rlimit limit_{};
-  void (*handler_)(int);
-};
 
 TEST_F(Surfaces, AFullDiskLeavesTheOldFile) {
   const TriangleMesh mesh = random_mesh(5000);

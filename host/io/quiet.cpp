@@ -1,8 +1,11 @@
 #include "io/quiet.h"
 
+#include <fcntl.h>
 #include <gdcmTrace.h>
 #include <itkObject.h>
+#include <unistd.h>
 
+#include <cstdio>
 #include <iostream>
 
 namespace vasamesh {
@@ -20,11 +23,28 @@ NullBuffer& null_buffer() {
   return buffer;
 }
 
+/// Points the descriptor of stderr at nothing and \return a copy of what it was.
+int close_stderr() {
+  std::fflush(stderr);
+  const int copy = fcntl(STDERR_FILENO, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
+  const int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);
+  if (copy >= 0 && nowhere >= 0) dup2(nowhere, STDERR_FILENO);
+  if (nowhere >= 0) close(nowhere);
+  return copy;
+}
+
+void reopen_stderr(int copy) {
+  if (copy < 0) return;
+  std::fflush(stderr);
+  dup2(copy, STDERR_FILENO);
+  close(copy);
+}
+
 }  // namespace
 
 Quiet::Quiet()
     : cout_(std::cout.rdbuf(&null_buffer())),
-      cerr_(std::cerr.rdbuf(&null_buffer())),
+      stderr_(close_stderr()),
       itk_warnings_(itk::Object::GetGlobalWarningDisplay()) {
   itk::Object::GlobalWarningDisplayOff();
   gdcm::Trace::DebugOff();
@@ -34,7 +54,7 @@ Quiet::Quiet()
 
 Quiet::~Quiet() {
   std::cout.rdbuf(cout_);
-  std::cerr.rdbuf(cerr_);
+  reopen_stderr(stderr_);
   itk::Object::SetGlobalWarningDisplay(itk_warnings_);
 }
 

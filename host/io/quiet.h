@@ -1,13 +1,14 @@
 #pragma once
 
 /// \file
-/// Keeps ITK, GDCM and MetaIO from printing: what they have to say comes as an Error.
+/// Keeps ITK, GDCM, MetaIO and niftilib from printing: what they have to say comes as an Error.
 
 #include <streambuf>
 
 namespace vasamesh {
 
-/// Silences the libraries, and std::cout and std::cerr, for its lifetime.
+/// Silences the libraries for its lifetime: std::cout, and the descriptor of stderr. Nothing of
+/// ours may print meanwhile.
 class Quiet {
  public:
   Quiet();
@@ -17,7 +18,7 @@ class Quiet {
 
  private:
   std::streambuf* cout_;
-  std::streambuf* cerr_;
+  int stderr_;  ///< a copy of its descriptor; -1 when it is closed
   bool itk_warnings_;
 };
 

@@ -2,8 +2,9 @@
 
 /// \file
 /// Segmentations in and out of files: NIfTI (.nii, .nii.gz), MetaImage (.mha, .mhd), NRRD (.nrrd,
-/// .seg.nrrd) and a folder that holds one DICOM series. ITK reads and writes;
-/// voxels are streamed once, to the checksum of a compressed file, and selected as they come.
+/// .seg.nrrd) and a folder that holds one DICOM series. ITK reads the headers, but for NIfTI's, and
+/// the DICOM slices, and writes; other voxels are streamed once, to the checksum of a compressed
+/// file, and selected as they come.
 
 #include <cstdint>
 #include <optional>
