@@ -151,9 +151,10 @@ class Backend : public Memory {
                                    View<std::uint8_t> unknown) = 0;
 
   /// The splatted vector field's divergence, eq. 3 and 4 of the paper with B-splines for the
-  /// Gaussian: right_hand_side(c) = -volume * div V at c, V = sum over the points of -area * K,
-  /// div by differences over the cell's faces. K is the tensor product of quadratic B-splines whose
-  /// knots are kernel.at(the point's thickness) voxel lengths apart, and at least one cell.
+  /// Gaussian: right_hand_side(c) = -volume * div V at c, V = sum over the points of
+  /// -(area . normal) normal K, div by differences over the cell's faces. K is the tensor product
+  /// of quadratic B-splines whose knots are kernel.at(the point's thickness) voxel lengths apart,
+  /// and at least one cell.
   virtual void poisson_splat(const LevelView& level, const PointIndex& index,
                              const PointView& points, const Scale& scale, const Kernel& kernel,
                              View<float> right_hand_side) = 0;

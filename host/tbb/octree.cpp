@@ -54,8 +54,9 @@ struct Splat {
     }
     if (!reaches(at[0], width[0]) || !reaches(at[1], width[1]) || !reaches(at[2], width[2])) return;
     const AxisWeights wx(at[0], width[0]), wy(at[1], width[1]), wz(at[2], width[2]);
-    const float ax = points.area[0][p] / side[0], ay = points.area[1][p] / side[1],
-                az = points.area[2][p] / side[2];
+    const float nx = points.normal[0][p], ny = points.normal[1][p], nz = points.normal[2][p];
+    const float weight = (points.area[0][p] * nx + points.area[1][p] * ny) + points.area[2][p] * nz;
+    const float ax = weight * nx / side[0], ay = weight * ny / side[1], az = weight * nz / side[2];
     for (int z = wz.first; z < wz.last; ++z)
       for (int y = wy.first; y < wy.last; ++y) {
         const float along = ax * (wy.value[y] * wz.value[z]);

@@ -72,9 +72,11 @@ double splatted(const PointView& points, const Scale& scale, const Kernel& kerne
       difference[i] = (bspline((low + side) / width) - bspline(low / width)) / width / side;
       volume *= side;
     }
+    double weight = 0;
+    for (std::size_t i = 0; i < 3; ++i) weight += double{points.area[i][p]} * points.normal[i][p];
     for (std::size_t i = 0; i < 3; ++i)
-      sum +=
-          volume * points.area[i][p] * difference[i] * at_cell[(i + 1) % 3] * at_cell[(i + 2) % 3];
+      sum += volume * weight * points.normal[i][p] * difference[i] * at_cell[(i + 1) % 3] *
+             at_cell[(i + 2) % 3];
   }
   return sum;
 }

@@ -38,7 +38,7 @@ class SplineField {
 };
 
 /// Eq. 3 and 4 of the paper: -volume * div V at the cell (in cells) of a level, V = sum over the
-/// points of -area * K, div by the differences over the cell's faces.
+/// points of -(area . normal) normal K, div by the differences over the cell's faces.
 double splatted(const PointView& points, const Scale& scale, const Kernel& kernel, int exponent,
                 const std::array<int, 3>& cell);
 
