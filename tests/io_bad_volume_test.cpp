@@ -14,6 +14,7 @@
 #include "io/volume_reader.h"
 #include "support/full_disk.h"
 #include "support/itk_volumes.h"
+#include "support/leaks.h"
 #include "support/scratch.h"
 #include "support/volume_files.h"
 #include "vasamesh/errors.h"

@@ -15,6 +15,7 @@
 #include "io/surface_io.h"
 #include "io/volume_reader.h"
 #include "support/itk_volumes.h"
+#include "support/leaks.h"
 #include "support/scratch.h"
 #include "support/volume_files.h"
 #include "vasamesh/errors.h"
