@@ -110,11 +110,17 @@ Result run_pipeline(const VolumeView& volume, const Parameters& parameters, Sche
 }  // namespace
 
 struct Converter::State {
+  explicit State(Context given) : context(std::move(given)) { keep_memory(true); }
+  ~State() { keep_memory(false); }
+
+  void keep_memory(bool keep) {
+    for (const auto& backend : context.backends) backend->keep_memory(keep);
+  }
+
   Context context;
 };
 
-Converter::Converter(Context context)
-    : state_(std::make_unique<State>(State{std::move(context)})) {}
+Converter::Converter(Context context) : state_(std::make_unique<State>(std::move(context))) {}
 Converter::~Converter() = default;
 Converter::Converter(Converter&&) noexcept = default;
 Converter& Converter::operator=(Converter&&) noexcept = default;

@@ -38,6 +38,10 @@ class Backend : public Memory {
   virtual std::size_t bytes_peak() const = 0;
   virtual void set_byte_limit(std::size_t bytes) = 0;  ///< 0: none; allocate() throws above it
 
+  /// Whether released buffers are kept for the next that are asked for (a Converter's, from one
+  /// volume to the next); false gives back what is kept. Backends may ignore it.
+  virtual void keep_memory(bool /*keep*/) {}
+
   // --- Copies. `bytes` from byte `offset` of an allocation. ---------------------------------
 
   virtual void write(void* handle, std::size_t offset, const void* from, std::size_t bytes) = 0;

@@ -1,6 +1,7 @@
 #include "tbb/backend.h"
 
 #include <algorithm>
+#include <bit>
 #include <cstring>
 #include <new>
 #include <string>
@@ -14,6 +15,13 @@ namespace vasamesh {
 namespace {
 
 constexpr std::size_t kAlignment = 64;
+/// The bytes of the block that serves a request: rounded up by a quarter at most, so that kept
+/// blocks fit the buffers of the next volume.
+std::size_t block_size(std::size_t bytes) {
+  const std::size_t step = std::max<std::size_t>(std::bit_floor(bytes) / 4, kAlignment);
+  return (bytes + step - 1) / step * step;
+}
+
 constexpr std::size_t kBlock = 16384;  // elements a task of the primitives takes
 
 }  // namespace
@@ -36,9 +44,7 @@ std::string TbbBackend::device() const {
 
 void* TbbBackend::allocate(std::size_t bytes) {
   const std::size_t held = held_ += bytes;
-  void* memory = limit_ && held > limit_
-                     ? nullptr
-                     : ::operator new(bytes, std::align_val_t(kAlignment), std::nothrow);
+  void* memory = limit_ && held > limit_ ? nullptr : take_block(block_size(bytes));
   if (!memory) {
     held_ -= bytes;
     throw Error(ErrorCode::refused,
@@ -56,7 +62,38 @@ void* TbbBackend::allocate(std::size_t bytes) {
 
 void TbbBackend::release(void* handle, std::size_t bytes) noexcept {
   held_ -= bytes;
-  ::operator delete(handle, std::align_val_t(kAlignment));
+  const std::scoped_lock lock(kept_mutex_);
+  if (keep_)
+    kept_[block_size(bytes)].push_back(handle);
+  else
+    ::operator delete(handle, std::align_val_t(kAlignment));
+}
+
+void* TbbBackend::take_block(std::size_t size) {
+  {
+    const std::scoped_lock lock(kept_mutex_);
+    if (const auto found = kept_.find(size); found != kept_.end() && !found->second.empty()) {
+      void* block = found->second.back();
+      found->second.pop_back();
+      return block;
+    }
+  }
+  return ::operator new(size, std::align_val_t(kAlignment), std::nothrow);
+}
+
+void TbbBackend::keep_memory(bool keep) {
+  {
+    const std::scoped_lock lock(kept_mutex_);
+    keep_ = keep;
+  }
+  if (!keep) give_back_kept();
+}
+
+void TbbBackend::give_back_kept() {
+  const std::scoped_lock lock(kept_mutex_);
+  for (auto& [size, blocks] : kept_)
+    for (void* block : blocks) ::operator delete(block, std::align_val_t(kAlignment));
+  kept_.clear();
 }
 
 void TbbBackend::write(void* handle, std::size_t offset, const void* from, std::size_t bytes) {

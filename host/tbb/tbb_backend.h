@@ -9,6 +9,9 @@
 
 #include <atomic>
 #include <memory>
+#include <mutex>
+#include <unordered_map>
+#include <vector>
 
 #include "backend/backend.h"
 
@@ -17,6 +20,7 @@ namespace vasamesh {
 class TbbBackend final : public Backend {
  public:
   TbbBackend(int threads, void* task_arena);
+  ~TbbBackend() override { give_back_kept(); }
 
   std::string name() const override { return "tbb"; }
   std::string device() const override;
@@ -24,6 +28,7 @@ class TbbBackend final : public Backend {
   std::size_t bytes_held() const override { return held_; }
   std::size_t bytes_peak() const override { return peak_; }
   void set_byte_limit(std::size_t bytes) override { limit_ = bytes; }
+  void keep_memory(bool keep) override;
 
   void* allocate(std::size_t bytes) override;
   void release(void* handle, std::size_t bytes) noexcept override;
@@ -131,10 +136,19 @@ class TbbBackend final : public Backend {
     });
   }
 
+  void give_back_kept();
+
+  /// A kept block of that size, or a new one; null where there is no memory.
+  void* take_block(std::size_t size);
+
   std::unique_ptr<tbb::task_arena> own_arena_;
   tbb::task_arena* arena_;
   std::atomic<std::size_t> held_{0}, peak_{0};
   std::size_t limit_ = 0;
+
+  std::mutex kept_mutex_;
+  bool keep_ = false;
+  std::unordered_map<std::size_t, std::vector<void*>> kept_;  ///< blocks by their size
 };
 
 }  // namespace vasamesh
