@@ -61,6 +61,29 @@ TEST(Intersect, RandomTrianglesOnAGrid) {
   }
 }
 
+/// The same on a skew grid of large integers: as many coincidences, and doubles cannot hold the
+/// determinants that tell them.
+TEST(Intersect, RandomTrianglesOnASkewGrid) {
+  std::mt19937 random(15);
+  for (int round = 0; round < 60; ++round) {
+    int axis[3][3];
+    for (auto& vector : axis)
+      for (int& x : vector) x = static_cast<int>(random() % 1000001) - 500000;
+    TriangleMesh mesh;
+    for (int v = 0; v < 14; ++v) {
+      const int step[3] = {static_cast<int>(random() % 5), static_cast<int>(random() % 5),
+                           static_cast<int>(random() % (round % 2 ? 2 : 5))};
+      Vertex p{};
+      for (int a = 0; a < 3; ++a)
+        p[a] =
+            static_cast<float>(step[0] * axis[0][a] + step[1] * axis[1][a] + step[2] * axis[2][a]);
+      add_vertex(mesh, p);
+    }
+    SCOPED_TRACE(round);
+    expect_exact(random_triangles(mesh, 18, random));
+  }
+}
+
 /// Vertices rounded onto a common slanted plane, far from the origin: nothing that doubles decide.
 TEST(Intersect, NearlyCoplanarTriangles) {
   std::mt19937 random(12);

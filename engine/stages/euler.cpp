@@ -96,7 +96,8 @@ std::array<Configuration, 256> make_table(int connectivity) {
   return table;
 }
 
-/// The piece of object voxels along one row. May be asked for x, then x - 1, but not for less.
+/// The piece of object voxels along one row. May be asked for x, then x - 1 (both in one run, where
+/// both are object), but not for less.
 class RowCursor {
  public:
   RowCursor(const RunTable& runs, const std::vector<std::int32_t>& piece, int y, int z)
@@ -104,8 +105,8 @@ class RowCursor {
     at_ = runs.row_first[static_cast<std::size_t>(z) * runs.size[1] + y];
   }
   std::int32_t piece(int x) {
-    while (run_[at_].end < x) ++at_;  // keeps the run of x - 1, which may be asked for next
-    return piece_[run_[at_].end > x ? at_ : at_ + 1];
+    while (run_[at_].end <= x) ++at_;
+    return piece_[at_];
   }
 
  private:
