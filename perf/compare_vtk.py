@@ -121,7 +121,7 @@ def main():
     parser.add_argument("-o", "--output", type=Path, default=Path("perf/results/compare_vtk"))
     arguments = parser.parse_args()
     program = arguments.program.resolve()
-    with tempfile.TemporaryDirectory(prefix="vasamesh-") as name:
+    with tempfile.TemporaryDirectory(prefix="vasamesh-perf-") as name:
         volume = Path(name) / "volume.nii.gz"
         timed([program, "phantom", arguments.phantom, "-o", volume])
         content = measure(program, volume, Path(name), arguments.repeats)

@@ -173,7 +173,7 @@ def outside(case, row):
 def examine(program, case):
     """One row: figures, or why there are none."""
     row = {"label": case["label"], "kind": case["kind"], "accurate": case["accurate"]}
-    folder = Path(tempfile.mkdtemp(prefix="vasamesh-"))
+    folder = Path(tempfile.mkdtemp(prefix="vasamesh-perf-"))
     try:
         row.update(measure(program, case, folder))
         row["voxel_mm"] = voxel_length(row["spacing"])
