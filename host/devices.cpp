@@ -84,8 +84,10 @@ DeviceInfo choose(const std::vector<DeviceInfo>& devices, const std::string& wan
                                         describe(found.empty() ? devices : found));
 }
 
-/// The devices that the named backend may run on; "auto" may use all.
+/// The devices that the named backend may run on; "auto" may use all. OpenCL's runtimes, which take
+/// a while to load, are asked only when one of theirs is meant.
 std::vector<DeviceInfo> devices_of(const std::string& backend) {
+  if (backend == "tbb") return {describe_cpu()};
   std::vector<DeviceInfo> devices = list_devices();
   if (backend != "auto")
     std::erase_if(devices, [&](const DeviceInfo& device) { return device.backend != backend; });
@@ -98,11 +100,11 @@ std::vector<DeviceInfo> devices_of(const std::string& backend) {
 }
 
 DeviceInfo choose(const ContextOptions& options) {
-  const std::vector<DeviceInfo> devices = devices_of(options.backend);
-  if (!options.device.empty()) return choose(devices, options.device, "--device");
-  if (const char* variable = std::getenv(kDeviceVariable); variable && *variable)
-    return choose(devices, variable, kDeviceVariable);
-  return devices[0];
+  const char* variable = std::getenv(kDeviceVariable);
+  if (!options.device.empty())
+    return choose(devices_of(options.backend), options.device, "--device");
+  if (variable && *variable) return choose(devices_of(options.backend), variable, kDeviceVariable);
+  return options.backend == "opencl" ? devices_of("opencl")[0] : describe_cpu();
 }
 
 #ifdef VASAMESH_WITH_OPENCL
