@@ -102,7 +102,8 @@ demo() {
   "$build/vasamesh" convert "$folder/cerebral.nii.gz" -o "$folder/cerebral.vtp" \
     --report "$folder/cerebral.json"
   "$build/vasamesh_picture" "$folder/cerebral.vtp" "$folder/cerebral.png"
-  printf '\n%-8s %s\n' Volume "$folder/cerebral.nii.gz" Surface "$folder/cerebral.vtp" \
+  printf '\n'
+  printf '%-8s  %s\n' Volume "$folder/cerebral.nii.gz" Surface "$folder/cerebral.vtp" \
     Report "$folder/cerebral.json" Picture "$folder/cerebral.png"
 }
 
