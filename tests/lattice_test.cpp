@@ -314,8 +314,8 @@ TEST_F(CellLattice, BlendChangesNothingBeyondItsRadius) {
     ASSERT_GE(places.size(), 4u);
     const auto marks = to_backend(*backend_, marked);
     const auto before = to_host(*backend_, lattice.values.view());
-    backend_->lattice_blend(lattice.bricks.view(), marks.view(), radius, lattice.state.view(),
-                            lattice.values.view());
+    backend_->lattice_blend(lattice.bricks.view(), marks.view(), radius, 1, true,
+                            lattice.state.view(), lattice.values.view());
     visit_nodes(lattice.bricks.view(), [&](std::size_t node, int x, int y, int z) {
       double nearest = 1e9;
       for (const auto& p : places)

@@ -243,10 +243,12 @@ class Backend : public Memory {
                                          View<std::uint8_t> marks) = 0;
 
   /// Leads the values near marked nodes back to the solid's: value = (1 - d) value + d g,
-  /// d = (1 - distance^2 / radius^2)^2 to the nearest mark, g from the solid's labels round the
-  /// node. `radius` in nodes, at most 8.
+  /// d = strength (1 - distance^2 / radius^2)^2 to the nearest mark, g from the occupancy round the
+  /// node (its quadratic B-spline when `smooth`, else linear), kept on the side of the solid's
+  /// label where a kStuckMark is within the radius. `radius` in nodes, at most 8.
   virtual void lattice_blend(const BrickView& bricks, View<const std::uint8_t> marks, float radius,
-                             View<const std::uint8_t> state, View<float> values) = 0;
+                             float strength, bool smooth, View<const std::uint8_t> state,
+                             View<float> values) = 0;
 
   /// Gives each node whose value's sign is not its label the value +-`least`. \return how many.
   virtual std::uint32_t lattice_clamp(const BrickView& bricks, float least,

@@ -120,8 +120,8 @@ class PartialBackend : public Backend {
                                  View<std::uint8_t>) override {
     missing("lattice_mark_far");
   }
-  void lattice_blend(const BrickView&, View<const std::uint8_t>, float, View<const std::uint8_t>,
-                     View<float>) override {
+  void lattice_blend(const BrickView&, View<const std::uint8_t>, float, float, bool,
+                     View<const std::uint8_t>, View<float>) override {
     missing("lattice_blend");
   }
   std::uint32_t lattice_clamp(const BrickView&, float, View<const std::uint8_t>,

@@ -189,6 +189,8 @@ void subtract_isovalue(Backend& backend, const PointCloud& points, const Scale& 
     backend.poisson_sample_points(level.view(), index_points(backend, level, points).view(),
                                   points.view(), level.solution.view(), at_points.view());
   }
+  const View<float> at_point = at_points.view();
+  for (std::size_t i = 0; i < points.count; ++i) at_point[i] += kOutwardBias;
   // Its normalised Gaussian mean, as a spline of the level of two voxels a cell.
   const OctreeLevel& coarse = octree.at_exponent(1);
   Buffer<float> mean(backend, cells(coarse)), weight(backend, cells(coarse)),

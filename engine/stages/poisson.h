@@ -28,6 +28,10 @@ inline constexpr float kThinKernel = 0.75f;
 /// Standard deviation of the local isovalue's kernel, in voxel lengths.
 inline constexpr float kIsovalueSigma = 2.0f;
 
+/// Taken off beside the local isovalue: samples in the concave corners of the voxels' steps lie
+/// outside by 0.01 to 0.02 voxel on average, measured on shapes of known volume.
+inline constexpr float kOutwardBias = 0.005f;
+
 /// Arrays of a solve, kept from level to level: a solve allocates nothing once they are large
 /// enough.
 struct SolveWorkspace {

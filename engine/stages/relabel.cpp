@@ -13,8 +13,21 @@ namespace {
 /// The thresholds of |value| that nodes must pass to flip, in turn: largest first.
 constexpr std::array<float, 7> kThresholds = {0.4f, 0.25f, 0.15f, 0.08f, 0.04f, 0.02f, 0.0f};
 
-/// Radius of the repair round a mark, in nodes, pass by pass.
-constexpr std::array<float, 7> kRepairRadius = {3, 3, 4, 4, 5, 6, 8};
+/// The repair round a mark, pass by pass: gently at first, so that the natural steps of anisotropic
+/// voxels do not spread over the surface.
+struct Repair {
+  float radius;  ///< nodes
+  float strength;
+  bool smooth;  ///< towards the smoothed occupancy; sharp where that loses thin parts
+};
+constexpr std::array<Repair, 8> kRepairs = {{{2, 0.5f, true},
+                                             {2, 0.5f, true},
+                                             {2, 1, true},
+                                             {2, 1, false},
+                                             {2, 1, false},
+                                             {3, 1, false},
+                                             {3, 1, false},
+                                             {4, 1, false}}};
 
 /// What a node gets whose value's sign is not its label at the end.
 constexpr float kLeastValue = 0.02f;
@@ -63,15 +76,15 @@ class Relabelling {
         backend_.lattice_mark_far(lattice_.bricks.view(), upload_active(), scale, limit,
                                   lattice_.state.view(), lattice_.values.view(), marks);
     for (const auto& nodes : pending_.nodes)
-      for (const std::uint32_t node : nodes) marks[node] = 1;
+      for (const std::uint32_t node : nodes) marks[node] = kStuckMark;
     return far;
   }
 
   /// Leads the field back to the solid round the marks; the bricks that this can change are the
   /// active ones from then on.
-  void repair(View<const std::uint8_t> marks, float radius) {
-    backend_.lattice_blend(lattice_.bricks.view(), marks, radius, lattice_.state.view(),
-                           lattice_.values.view());
+  void repair(View<const std::uint8_t> marks, const Repair& repair) {
+    backend_.lattice_blend(lattice_.bricks.view(), marks, repair.radius, repair.strength,
+                           repair.smooth, lattice_.state.view(), lattice_.values.view());
     std::fill(active_.begin(), active_.end(), std::uint8_t{0});
     for (std::size_t b = 0; b < active_.size(); ++b) {
       const std::uint8_t* own = marks.data() + kBrickCells * b;
@@ -171,14 +184,14 @@ RelabelReport relabel(Scheduler& scheduler, const Scale& scale, Lattice& lattice
     report.flips += relabelling.run();
   if (closings && !closings->empty()) forget_buried_faces(lattice);
   report.stuck_first = static_cast<std::int64_t>(relabelling.stuck().count());
-  for (const float radius : kRepairRadius) {
+  for (const Repair& repair : kRepairs) {
     const std::uint32_t far = relabelling.mark(scale, marks.view());
     if (far == 0 && relabelling.stuck().count() == 0) break;
-    relabelling.repair(marks.view(), radius);
+    relabelling.repair(marks.view(), repair);
     report.flips += relabelling.run();
     ++report.repair_passes;
     scheduler.progress("topology", static_cast<double>(report.repair_passes) /
-                                       static_cast<double>(kRepairRadius.size() + 1));
+                                       static_cast<double>(kRepairs.size() + 1));
   }
   report.clamped = backend.lattice_clamp(lattice.bricks.view(), kLeastValue, lattice.state.view(),
                                          lattice.values.view());

@@ -25,6 +25,12 @@ enum LatticeBit : std::uint8_t {
   kFaceCentre = 8,  ///< the centre of a face between object and background
 };
 
+/// Why a node is marked for repair.
+enum LatticeMark : std::uint8_t {
+  kFarMark = 1,    ///< the labels leave the solid too far there
+  kStuckMark = 2,  ///< its flip would change the topology
+};
+
 /// An offset between nodes.
 struct NodeOffset {
   std::int8_t x, y, z;

@@ -105,8 +105,8 @@ class FarTest {
       const Node node = {
           near,     &halo,         kBrickCells * brick + static_cast<std::size_t>(cell),
           cell & 7, cell >> 3 & 7, cell >> 6};
-      marks[cell] = is_far(node);
-      count += marks[cell];
+      marks[cell] = is_far(node) ? kFarMark : 0;
+      count += marks[cell] != 0;
     }
     return count;
   }

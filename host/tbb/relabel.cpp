@@ -42,29 +42,40 @@ void visit_colour(int colour, const Visit& visit) {
       for (int x = colour & 1; x < 8; x += 2) visit(brick_cell(x, y, z));
 }
 
-/// The occupancy as a quadratic B-spline with a coefficient a voxel, minus one half, kept on the
-/// side of the solid's label. Where it is linear, its zero set lies on the voxels' faces.
+/// How a repair's field is made of the occupancy.
+struct SolidField {
+  bool smooth;  ///< a quadratic B-spline with a coefficient a voxel; else linear between centres
+  bool keep_label;  ///< kept on the side of the solid's label
+};
+
+/// The occupancy minus one half at a node: its zero set lies on the voxels' faces where they are
+/// flat.
 float solid_field(const std::int32_t* near, const std::uint8_t* state, std::size_t node, int x,
-                  int y, int z) {
+                  int y, int z, const SolidField& field) {
   constexpr float kLeast = 0.03f;
   struct Tap {
     int offset;
     float weight;
   };
-  // Voxel centres are the odd nodes: beside an even one, at and two away from an odd one.
-  constexpr Tap kEven[3] = {{-1, 0.5f}, {1, 0.5f}, {0, 0.0f}};
-  constexpr Tap kOdd[3] = {{-2, 0.125f}, {0, 0.75f}, {2, 0.125f}};
+  // Voxel centres are the odd nodes: beside an even one; at, and two away from, an odd one.
+  constexpr Tap kTaps[3][3] = {{{-1, 0.5f}, {1, 0.5f}, {0, 0.0f}},
+                               {{0, 1.0f}, {0, 0.0f}, {0, 0.0f}},
+                               {{-2, 0.125f}, {0, 0.75f}, {2, 0.125f}}};
+  const auto taps = [&](int at) { return kTaps[at & 1 ? (field.smooth ? 2 : 1) : 0]; };
   const bool solid = (state[node] & kSolid) != 0;
-  const Tap *tx = x & 1 ? kOdd : kEven, *ty = y & 1 ? kOdd : kEven, *tz = z & 1 ? kOdd : kEven;
+  const Tap *tx = taps(x), *ty = taps(y), *tz = taps(z);
   float sum = 0;
-  for (int k = 0; k < (z & 1 ? 3 : 2); ++k)
-    for (int j = 0; j < (y & 1 ? 3 : 2); ++j)
-      for (int i = 0; i < (x & 1 ? 3 : 2); ++i) {
+  for (int k = 0; k < 3; ++k)
+    for (int j = 0; j < 3; ++j)
+      for (int i = 0; i < 3; ++i) {
+        const float weight = tx[i].weight * (ty[j].weight * tz[k].weight);
+        if (weight == 0) continue;
         const std::size_t voxel =
             node_at(near, x + tx[i].offset, y + ty[j].offset, z + tz[k].offset);
         const bool object = voxel == kNoNode ? solid : (state[voxel] & kSolid) != 0;
-        if (object) sum += tx[i].weight * (ty[j].weight * tz[k].weight);
+        if (object) sum += weight;
       }
+  if (!field.keep_label) return sum - 0.5f;
   return solid ? std::max(sum - 0.5f, kLeast) : std::min(sum - 0.5f, -kLeast);
 }
 
@@ -122,7 +133,8 @@ std::uint32_t TbbBackend::relabel_sweep(const BrickView& bricks, View<const std:
 }
 
 void TbbBackend::lattice_blend(const BrickView& bricks, View<const std::uint8_t> marks,
-                               float radius, View<const std::uint8_t> state, View<float> values) {
+                               float radius, float strength, bool smooth,
+                               View<const std::uint8_t> state, View<float> values) {
   std::vector<std::uint8_t> marked(bricks.count);
   for_each(bricks.count, kGrain, [&](std::size_t brick) {
     const std::uint8_t* own = marks.data() + kBrickCells * brick;
@@ -133,29 +145,33 @@ void TbbBackend::lattice_blend(const BrickView& bricks, View<const std::uint8_t>
     const std::int32_t* near = bricks.neighbours.data() + 27 * brick;
     struct Mark {
       int x, y, z;
+      bool keep_label;
     };
     std::vector<Mark> found;
     for (int n = 0; n < 27; ++n) {
       if (near[n] == kNoBrick || !marked[near[n]]) continue;
       const int x0 = 8 * (n % 3 - 1), y0 = 8 * (n / 3 % 3 - 1), z0 = 8 * (n / 9 - 1);
       for (int cell = 0; cell < kBrickCells; ++cell)
-        if (marks[std::size_t{kBrickCells} * near[n] + cell])
-          found.push_back({x0 + (cell & 7), y0 + (cell >> 3 & 7), z0 + (cell >> 6)});
+        if (const std::uint8_t mark = marks[std::size_t{kBrickCells} * near[n] + cell])
+          found.push_back(
+              {x0 + (cell & 7), y0 + (cell >> 3 & 7), z0 + (cell >> 6), mark == kStuckMark});
     }
     if (found.empty()) return;
     for (int cell = 0; cell < kBrickCells; ++cell) {
       const std::size_t node = kBrickCells * brick + cell;
       const int x = cell & 7, y = cell >> 3 & 7, z = cell >> 6;
       int least = 1 << 20;
+      bool keep_label = false;
       for (const Mark& m : found) {
         const int dx = m.x - x, dy = m.y - y, dz = m.z - z;
         least = std::min(least, dx * dx + dy * dy + dz * dz);
+        keep_label |= m.keep_label && dx * dx + dy * dy + dz * dz < radius * radius;
       }
       const float rest = 1.0f - static_cast<float>(least) * inverse;
       if (rest <= 0) continue;
-      const float blend = rest * rest;
-      values[node] =
-          (1.0f - blend) * values[node] + blend * solid_field(near, state.data(), node, x, y, z);
+      const float blend = strength * (rest * rest);
+      values[node] = (1.0f - blend) * values[node] +
+                     blend * solid_field(near, state.data(), node, x, y, z, {smooth, keep_label});
     }
   });
 }

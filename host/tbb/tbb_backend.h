@@ -111,7 +111,8 @@ class TbbBackend final : public Backend {
                                  const Scale& scale, float limit, View<const std::uint8_t> state,
                                  View<const float> values, View<std::uint8_t> marks) override;
   void lattice_blend(const BrickView& bricks, View<const std::uint8_t> marks, float radius,
-                     View<const std::uint8_t> state, View<float> values) override;
+                     float strength, bool smooth, View<const std::uint8_t> state,
+                     View<float> values) override;
   std::uint32_t lattice_clamp(const BrickView& bricks, float least, View<const std::uint8_t> state,
                               View<float> values) override;
   void surface_count(const BrickView& bricks, View<const std::uint8_t> state,
