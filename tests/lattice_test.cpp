@@ -308,7 +308,7 @@ TEST_F(CellLattice, BlendChangesNothingBeyondItsRadius) {
     std::vector<std::array<int, 3>> places;
     visit_nodes(lattice.bricks.view(), [&](std::size_t node, int x, int y, int z) {
       if (node % 3001 != 5) return;
-      marked[node] = 1;
+      marked[node] = kStuckMark;
       places.push_back({x, y, z});
     });
     ASSERT_GE(places.size(), 4u);

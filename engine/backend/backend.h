@@ -250,7 +250,8 @@ class Backend : public Memory {
                              float strength, bool smooth, View<const std::uint8_t> state,
                              View<float> values) = 0;
 
-  /// Gives each node whose value's sign is not its label the value +-`least`. \return how many.
+  /// Gives each node whose value's sign is not its label, or whose value is zero, +-`least`.
+  /// \return how many of the first kind may change their label.
   virtual std::uint32_t lattice_clamp(const BrickView& bricks, float least,
                                       View<const std::uint8_t> state, View<float> values) = 0;
 

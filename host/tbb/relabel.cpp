@@ -182,9 +182,10 @@ std::uint32_t TbbBackend::lattice_clamp(const BrickView& bricks, float least,
   for_each(bricks.count, kGrain, [&](std::size_t brick) {
     std::uint32_t count = 0;
     for (std::size_t node = kBrickCells * brick; node < kBrickCells * (brick + 1); ++node) {
-      if (!wrong(state[node], values[node])) continue;
+      const bool held = wrong(state[node], values[node]);
+      if (!held && values[node] != 0) continue;
       values[node] = state[node] & kLabel ? least : -least;
-      count += (state[node] & kFree) != 0;
+      count += held && (state[node] & kFree) != 0;
     }
     total += count;
   });
