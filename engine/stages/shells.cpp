@@ -138,6 +138,15 @@ class VoxelSpace {
     std::int32_t piece = PieceLookup::kNone;
   };
 
+  double from_centre(const std::array<double, 3>& p, const std::array<int, 3>& voxel) const {
+    double square = 0;
+    for (int a = 0; a < 3; ++a) {
+      const double d = scale_[a] * (p[a] - voxel[a] - 0.5);
+      square += d * d;
+    }
+    return std::sqrt(square);
+  }
+
   void search(const std::array<double, 3>& p, const std::array<int, 3>& reach,
               Nearest& best) const {
     std::array<int, 3> home;
@@ -147,7 +156,8 @@ class VoxelSpace {
         for (int x = home[0] - reach[0]; x <= home[0] + reach[0]; ++x) {
           const std::int32_t piece = match_.solid->lookup.at(x, y, z);
           if (piece == PieceLookup::kNone) continue;
-          const double d = distance(p, {x, y, z});
+          // Boxes that meet are told apart by their centres.
+          const double d = distance(p, {x, y, z}) + 0.1 * from_centre(p, {x, y, z});
           if (d < best.distance) best = {d, piece};
         }
   }
