@@ -1,0 +1,167 @@
+#include "stages/expand_seeds.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "stages/expand_checks.h"
+
+namespace vasamesh {
+
+namespace {
+
+constexpr float kApart = 9.0f;  // edge lengths between seeds
+constexpr float kClear = 2.1f;  // edge lengths from a seed's centre to any vertex
+constexpr float kSeedTau = 0.6f;
+constexpr int kSteps = 5;  // Newton steps
+constexpr std::size_t kGrain = 64;
+
+/// Vertices by cell, for the search round a point.
+class VertexGrid {
+ public:
+  VertexGrid(const FieldView& field, const Front& front) : field_(field), front_(front) {
+    const std::size_t count = front.position.size();
+    first_.assign(cell_count(field) + 3, 0);
+    std::vector<std::uint32_t> cell(count);
+    for (std::size_t v = 0; v < count; ++v) {
+      cell[v] = static_cast<std::uint32_t>(cell_index(field, cell_at(field, front.position[v])));
+      ++first_[cell[v] + 2];
+    }
+    for (std::size_t c = 2; c < first_.size(); ++c) first_[c] += first_[c - 1];
+    vertices_.resize(count);
+    for (std::size_t v = 0; v < count; ++v)
+      vertices_[first_[cell[v] + 1]++] = static_cast<std::uint32_t>(v);
+  }
+
+  /// Whether a vertex of the sheet that faces along `normal` lies within `reach` of p.
+  bool any_near(const Vec3& p, const Vec3& normal, float reach) const {
+    bool found = false;
+    for_cells(field_, cells_round(field_, p, reach), [&](std::size_t cell) {
+      for (std::uint32_t i = first_[cell]; i < first_[cell + 1] && !found; ++i) {
+        const std::uint32_t v = vertices_[i];
+        found = squared_norm(front_.position[v] - p) < reach * reach &&
+                dot(front_.normal[v], normal) > -kSameSheet;
+      }
+    });
+    return found;
+  }
+
+ private:
+  const FieldView& field_;
+  const Front& front_;
+  std::vector<std::uint32_t> first_, vertices_;
+};
+
+/// Points that keep their distance, in coarse cells a distance wide.
+class SparsePoints {
+ public:
+  SparsePoints(const FieldView& field, float apart) : apart_(apart) {
+    std::size_t cells = 1;
+    for (std::size_t i = 0; i < 3; ++i) {
+      side_[i] = static_cast<int>(8 * field.grid[i] * field.step[i] / apart) + 1;
+      cells *= static_cast<std::size_t>(side_[i]);
+    }
+    head_.assign(cells, kNone);
+  }
+
+  /// Adds the point unless another is nearer than `reach`, which is at most the cells' width.
+  bool add(const Vec3& p, float reach) {
+    const int x = place(p.x, 0), y = place(p.y, 1), z = place(p.z, 2);
+    for (int k = std::max(z - 1, 0); k <= std::min(z + 1, side_[2] - 1); ++k)
+      for (int j = std::max(y - 1, 0); j <= std::min(y + 1, side_[1] - 1); ++j)
+        for (int i = std::max(x - 1, 0); i <= std::min(x + 1, side_[0] - 1); ++i)
+          for (std::uint32_t q = head_[index(i, j, k)]; q != kNone; q = next_[q])
+            if (squared_norm(points_[q] - p) < reach * reach) return false;
+    next_.push_back(head_[index(x, y, z)]);
+    head_[index(x, y, z)] = static_cast<std::uint32_t>(points_.size());
+    points_.push_back(p);
+    return true;
+  }
+
+ private:
+  int place(float at, int axis) const {
+    return std::clamp(static_cast<int>(at / apart_), 0, side_[static_cast<std::size_t>(axis)] - 1);
+  }
+  std::size_t index(int x, int y, int z) const {
+    return (static_cast<std::size_t>(z) * side_[1] + y) * side_[0] + x;
+  }
+
+  float apart_;
+  std::array<int, 3> side_;
+  std::vector<std::uint32_t> head_, next_;
+  std::vector<Vec3> points_;
+};
+
+struct Hexagon {
+  bool good = false;
+  std::array<Vec3, 6> position, normal;
+};
+
+Hexagon make_hexagon(const FieldView& field, const Vec3& p, const Vec3& normal, float edge) {
+  constexpr float kHalf = 0.5f, kSine = 0.8660254f;
+  constexpr float kDirections[6][2] = {{1, 0},  {kHalf, kSine},   {-kHalf, kSine},
+                                       {-1, 0}, {-kHalf, -kSine}, {kHalf, -kSine}};
+  const Vec3 u = any_tangent(normal), v = cross(normal, u);
+  Hexagon hexagon;
+  for (std::size_t i = 0; i < 6; ++i) {
+    Vec3 q = p + edge * (kDirections[i][0] * u + kDirections[i][1] * v);
+    if (!project_to_surface(field, 0.6f * edge, kSteps, q).known) return hexagon;
+    q = p + (edge / std::max(norm(q - p), 0.5f * edge)) * (q - p);
+    const FieldSample at = project_to_surface(field, 0.5f * edge, kSteps, q);
+    if (!at.known) return hexagon;
+    hexagon.position[i] = q;
+    hexagon.normal[i] = -normalised(at.gradient);
+  }
+  for (std::size_t i = 0; i < 6; ++i) {
+    const std::size_t j = (i + 1) % 6;
+    const Triangle t = {p, hexagon.position[i], hexagon.position[j]};
+    if (edge_ratio(t) < kSeedTau ||
+        !faces_outward(t, {normal, hexagon.normal[i], hexagon.normal[j]}) ||
+        !edge_on_surface(field, t[0], t[1]) || !edge_on_surface(field, t[1], t[2]))
+      return hexagon;
+  }
+  hexagon.good = true;
+  return hexagon;
+}
+
+void add_hexagon(const SizeView& sizes, const Vec3& p, const Vec3& normal, const Hexagon& hexagon,
+                 Front& front) {
+  const std::uint32_t centre = front.add_vertex(p, normal, size_at(sizes, p));
+  const auto first = static_cast<std::uint32_t>(front.vertex.size());
+  for (std::uint32_t i = 0; i < 6; ++i) {
+    const Vec3& q = hexagon.position[i];
+    front.add_corner(front.add_vertex(q, hexagon.normal[i], size_at(sizes, q)));
+    front.triangles.insert(front.triangles.end(),
+                           {centre, centre + 1 + i, centre + 1 + (i + 1) % 6});
+  }
+  for (std::uint32_t i = 0; i < 6; ++i) front.link(first + i, first + (i + 1) % 6);
+}
+
+}  // namespace
+
+std::size_t add_seeds(Backend& backend, const FieldView& field, const SizeView& sizes,
+                      const SurfaceSamples& samples, Front& front) {
+  const VertexGrid grid(field, front);
+  std::vector<std::uint8_t> open(samples.count(), 0);
+  backend.run((samples.count() + kGrain - 1) / kGrain, [&](std::size_t task) {
+    const std::size_t end = std::min((task + 1) * kGrain, samples.count());
+    for (std::size_t i = task * kGrain; i < end; ++i)
+      open[i] =
+          samples.radius[i] > 0 && !grid.any_near(samples.position[i], samples.normal[i],
+                                                  kClear * size_at(sizes, samples.position[i]));
+  });
+
+  SparsePoints taken(field, kApart * sizes.elsewhere);
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < samples.count(); ++i) {
+    if (!open[i]) continue;
+    const float edge = size_at(sizes, samples.position[i]);
+    const Hexagon hexagon = make_hexagon(field, samples.position[i], samples.normal[i], edge);
+    if (!hexagon.good || !taken.add(samples.position[i], kApart * edge)) continue;
+    add_hexagon(sizes, samples.position[i], samples.normal[i], hexagon, front);
+    ++count;
+  }
+  return count;
+}
+
+}  // namespace vasamesh
