@@ -161,6 +161,15 @@ double predict_triangles(Backend& backend, const SizeView& sizes, const Triangle
   return total;
 }
 
+/// The square of d / (2 sin(theta / 2)) towards p + step; 0 where no surface is found.
+float squared_radius(const FieldView& field, const Vec3& p, const Vec3& normal, const Vec3& step) {
+  Vec3 q = p + step;
+  const FieldSample at = project_to_surface(field, norm(step), kSteps, q);
+  if (!at.known) return 0;
+  const float turned = squared_norm(normal + normalised(at.gradient));
+  return squared_norm(q - p) / std::max(turned, 1e-12f);
+}
+
 }  // namespace
 
 float radius_of_curvature(const FieldView& field, const Vec3& p, const Vec3& normal) {
@@ -170,15 +179,11 @@ float radius_of_curvature(const FieldView& field, const Vec3& p, const Vec3& nor
   const Vec3 u = any_tangent(normal), v = cross(normal, u);
   float least = kLargestRadius * kLargestRadius;
   for (const auto& direction : kDirections) {
-    Vec3 q = p + kRing * (direction[0] * u + direction[1] * v);
-    const FieldSample at = project_to_surface(field, kRing, kSteps, q);
-    if (!at.known) {
-      least = std::min(least, 0.25f * kRing * kRing);
-      continue;
-    }
-    const float turned = squared_norm(normal + normalised(at.gradient));
-    const float apart = squared_norm(q - p);
-    if (apart < least * turned) least = apart / turned;
+    const Vec3 along = direction[0] * u + direction[1] * v;
+    const float squared =
+        std::min(squared_radius(field, p, normal, kRing * along), kLargestRadius * kLargestRadius);
+    least = std::min(
+        least, squared > 0 ? squared : squared_radius(field, p, normal, 0.5f * kRing * along));
   }
   return std::sqrt(least);
 }
