@@ -30,6 +30,8 @@ class CornerFinder {
     fans_.clear();
     for (const Spoke& spoke : spokes_)
       if (leaving_from(spoke.next) == kNone) fans_.push_back({spoke.next, end_of_fan(spoke), 0});
+    if (fans_.empty()) return;
+    refuse_repeated_edges();
     if (fans_.size() > 1) sort_by_angle(vertex);
     // From the end of a fan, counter-clockwise, the gap reaches the start of the next.
     corners_here_.clear();
@@ -76,6 +78,15 @@ class CornerFinder {
       end = spoke->previous;
     }
     throw Error(ErrorCode::internal, "gaps: an edge of the surface has more than two triangles");
+  }
+
+  void refuse_repeated_edges() const {
+    for (std::size_t i = 0; i < spokes_.size(); ++i)
+      for (std::size_t j = 0; j < i; ++j)
+        if (spokes_[i].next == spokes_[j].next || spokes_[i].previous == spokes_[j].previous)
+          throw Error(ErrorCode::internal,
+                      "gaps: triangles that share an edge do not traverse it in opposite "
+                      "directions, or there are more than two");
   }
 
   void sort_by_angle(std::uint32_t vertex) {
@@ -130,9 +141,7 @@ std::vector<std::uint32_t> link_corners(const std::vector<Corner>& corners) {
       return std::array{k.vertex, k.previous} < wanted;
     });
     if (found == corners.end() || std::array{found->vertex, found->previous} != wanted)
-      throw Error(ErrorCode::internal,
-                  "gaps: the boundary of the surface does not close: triangles that share an edge "
-                  "do not traverse it in opposite directions");
+      throw Error(ErrorCode::internal, "gaps: the boundary of the surface does not close");
     next[c] = static_cast<std::uint32_t>(found - corners.begin());
   }
   return next;
