@@ -26,6 +26,11 @@ struct FieldView {
   View<const float> coefficients;     ///< 512 a brick
   Scale step{0.5f, 0.5f, 0.5f};       ///< voxel lengths between nodes
   Scale inverse_step{2, 2, 2};
+
+  /// The entry of `brick_at` for a brick in the grid.
+  std::size_t cell_of(const BrickCoord& brick) const {
+    return (static_cast<std::size_t>(brick.z) * grid[1] + brick.y) * grid[0] + brick.x;
+  }
 };
 
 /// The function at one point.
@@ -54,6 +59,19 @@ inline FieldSample sample_field(const FieldView& field, const Vec3& p) {
     node[i] = static_cast<int>(at[i] + 0.5f);
     t[i] = at[i] - static_cast<float>(node[i]);
   }
+  // The 27 nodes lie in two bricks at most along each axis: which, and where in them.
+  const BrickCoord low = {(node[0] - 1) >> 3, (node[1] - 1) >> 3, (node[2] - 1) >> 3};
+  const int along[3] = {((node[0] + 1) >> 3) - low.x, ((node[1] + 1) >> 3) - low.y,
+                        ((node[2] + 1) >> 3) - low.z};
+  const float* brick[8] = {};
+  for (int k = 0; k <= along[2]; ++k)
+    for (int j = 0; j <= along[1]; ++j)
+      for (int i = 0; i <= along[0]; ++i) {
+        const std::int32_t at_cell =
+            field.brick_at[field.cell_of({low.x + i, low.y + j, low.z + k})];
+        if (at_cell == kNoBrick) return {};
+        brick[i + 2 * j + 4 * k] = &field.coefficients[std::size_t{kBrickCells} * at_cell];
+      }
   const SplineWeights wx(t[0]), wy(t[1]), wz(t[2]);
   FieldSample sample;
   sample.known = true;
@@ -62,16 +80,12 @@ inline FieldSample sample_field(const FieldView& field, const Vec3& p) {
     float plane = 0, plane_x = 0, plane_y = 0;
     for (int j = 0; j < 3; ++j) {
       const int y = node[1] + j - 1;
+      const int side = 2 * ((y >> 3) - low.y) + 4 * ((z >> 3) - low.z);
+      const int row_cell = brick_cell(0, y & 7, z & 7);
       float row = 0, row_x = 0;
       for (int i = 0; i < 3; ++i) {
         const int x = node[0] + i - 1;
-        const std::size_t cell =
-            (static_cast<std::size_t>(z >> 3) * field.grid[1] + (y >> 3)) * field.grid[0] +
-            (x >> 3);
-        const std::int32_t brick = field.brick_at[cell];
-        if (brick == kNoBrick) return {};
-        const float c =
-            field.coefficients[std::size_t{kBrickCells} * brick + brick_cell(x & 7, y & 7, z & 7)];
+        const float c = brick[side + ((x >> 3) - low.x)][row_cell + (x & 7)];
         row += wx.value[i] * c;
         row_x += wx.slope[i] * c;
       }

@@ -25,11 +25,8 @@ inline float size_at(const SizeView& view, const Vec3& p) {
     if (!(at[i] >= 0 && at[i] < static_cast<float>(8 * view.field.grid[i]))) return view.elsewhere;
     node[i] = static_cast<int>(at[i]);
   }
-  const std::size_t cell =
-      (static_cast<std::size_t>(node[2] >> 3) * view.field.grid[1] + (node[1] >> 3)) *
-          view.field.grid[0] +
-      (node[0] >> 3);
-  const std::int32_t brick = view.field.brick_at[cell];
+  const std::int32_t brick =
+      view.field.brick_at[view.field.cell_of({node[0] >> 3, node[1] >> 3, node[2] >> 3})];
   if (brick == kNoBrick) return view.elsewhere;
   const int x = node[0] >> 1 & 3, y = node[1] >> 1 & 3, z = node[2] >> 1 & 3;
   return view.sizes[std::size_t{64} * brick + (x + 4 * (y + 4 * z))];

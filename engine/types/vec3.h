@@ -30,4 +30,13 @@ inline Vec3 normalised(const Vec3& a) {
   return length > 0 ? (1.0f / length) * a : Vec3{};
 }
 
+/// A unit vector at right angles to a unit vector: along the cross product with the axis that it is
+/// farthest from.
+inline Vec3 any_tangent(const Vec3& n) {
+  const float x = n.x * n.x, y = n.y * n.y, z = n.z * n.z;
+  if (x <= y && x <= z) return normalised(Vec3{0, n.z, -n.y});
+  if (y <= z) return normalised(Vec3{-n.z, 0, n.x});
+  return normalised(Vec3{n.y, -n.x, 0});
+}
+
 }  // namespace vasamesh

@@ -1,0 +1,233 @@
+#include "stages/sizing.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+namespace vasamesh {
+
+namespace {
+
+constexpr std::size_t kCells = 64;        // size cells a brick
+constexpr std::size_t kSampleGrain = 64;  // samples a task takes
+constexpr std::size_t kTriangleGrain = 8192;
+constexpr float kRing = 1.0f;   // distance at which normals are compared
+constexpr float kReach = 0.5f;  // how far a base vertex may be from the zero set
+constexpr float kLargestRadius = 1e6f;
+constexpr float kFarthest = 32;  // lengths that a size is carried at most
+constexpr int kSteps = 6;        // Newton steps
+constexpr std::uint32_t kNoVertex = 0xffffffffu;
+
+Vec3 vertex_at(const TriangleMesh& mesh, std::size_t v) {
+  return {mesh.vertices[3 * v], mesh.vertices[3 * v + 1], mesh.vertices[3 * v + 2]};
+}
+
+/// The size cell of a point, or no cell (the number of cells) where there is no brick.
+std::size_t size_cell(const FieldView& field, const Vec3& p) {
+  const std::size_t none = field.coefficients.size / kBrickCells * kCells;
+  const float at[3] = {p.x * field.inverse_step[0], p.y * field.inverse_step[1],
+                       p.z * field.inverse_step[2]};
+  int node[3];
+  for (int i = 0; i < 3; ++i) {
+    if (!(at[i] >= 0 && at[i] < static_cast<float>(8 * field.grid[i]))) return none;
+    node[i] = static_cast<int>(at[i]);
+  }
+  const std::int32_t brick =
+      field.brick_at[field.cell_of({node[0] >> 3, node[1] >> 3, node[2] >> 3})];
+  if (brick == kNoBrick) return none;
+  return kCells * static_cast<std::size_t>(brick) +
+         static_cast<std::size_t>((node[0] >> 1 & 3) + 4 * (node[1] >> 1 & 3) +
+                                  16 * (node[2] >> 1 & 3));
+}
+
+/// The first base vertex of each cell, not yet on the zero set.
+SurfaceSamples first_vertices(const FieldView& field, const TriangleMesh& surface) {
+  const std::size_t cells = field.coefficients.size / kBrickCells * kCells;
+  std::vector<std::uint32_t> first(cells + 1, kNoVertex);
+  for (std::size_t v = surface.vertex_count(); v-- > 0;)
+    first[size_cell(field, vertex_at(surface, v))] = static_cast<std::uint32_t>(v);
+  SurfaceSamples samples;
+  for (std::size_t cell = 0; cell < cells; ++cell) {
+    if (first[cell] == kNoVertex) continue;
+    samples.cell.push_back(static_cast<std::uint32_t>(cell));
+    samples.position.push_back(vertex_at(surface, first[cell]));
+  }
+  samples.normal.resize(samples.count());
+  samples.radius.resize(samples.count());
+  return samples;
+}
+
+void settle(const FieldView& field, SurfaceSamples& samples, std::size_t i) {
+  Vec3 p = samples.position[i];
+  const FieldSample at = project_to_surface(field, kReach, kSteps, p);
+  if (!at.known) return;
+  samples.position[i] = p;
+  samples.normal[i] = -normalised(at.gradient);
+  samples.radius[i] = radius_of_curvature(field, p, samples.normal[i]);
+}
+
+float size_for(const SizeRule& rule, float radius) {
+  if (!(radius > 0)) return rule.edge_min;
+  const float wanted = std::clamp(rule.rho * radius, rule.edge_min, rule.edge_max);
+  return std::min(wanted, 1.25f * radius);
+}
+
+/// The values of a brick and of the cells round it: 6 x 6 rows of 4 with one before and one after.
+struct SizeHalo {
+  SizeHalo(const FieldView& field, const BrickCoord& coord, const float* values, float outside) {
+    std::fill(&value[0][0][0], &value[0][0][0] + 6 * 6 * 6, outside);
+    for (int dz = -1; dz <= 1; ++dz)
+      for (int dy = -1; dy <= 1; ++dy)
+        for (int dx = -1; dx <= 1; ++dx) {
+          const BrickCoord c = {coord.x + dx, coord.y + dy, coord.z + dz};
+          if (c.x < 0 || c.y < 0 || c.z < 0 || c.x >= field.grid[0] || c.y >= field.grid[1] ||
+              c.z >= field.grid[2])
+            continue;
+          const std::int32_t brick = field.brick_at[field.cell_of(c)];
+          if (brick != kNoBrick)
+            take(values + kCells * static_cast<std::size_t>(brick), dx, dy, dz);
+        }
+  }
+
+  /// The part of a neighbour's cells that touches the brick.
+  void take(const float* cells, int dx, int dy, int dz) {
+    const auto begin = [](int d) { return d < 0 ? 3 : 0; };
+    const auto end = [](int d) { return d > 0 ? 1 : 4; };
+    for (int z = begin(dz); z < end(dz); ++z)
+      for (int y = begin(dy); y < end(dy); ++y)
+        for (int x = begin(dx); x < end(dx); ++x)
+          value[z + 1 + 4 * dz][y + 1 + 4 * dy][x + 1 + 4 * dx] = cells[x + 4 * (y + 4 * z)];
+  }
+
+  float value[6][6][6];
+};
+
+/// What a step to each of the 27 neighbours costs.
+struct StepCosts {
+  StepCosts(const Scale& voxel, float growth) {
+    for (int n = 0; n < 27; ++n) {
+      const float x = voxel[0] * static_cast<float>(n % 3 - 1);
+      const float y = voxel[1] * static_cast<float>(n / 3 % 3 - 1);
+      const float z = voxel[2] * static_cast<float>(n / 9 - 1);
+      cost[n] = growth * norm({x, y, z});
+    }
+  }
+  float cost[27];
+};
+
+void relax(const SizeHalo& halo, const StepCosts& steps, float* out) {
+  for (int z = 0; z < 4; ++z)
+    for (int y = 0; y < 4; ++y) {
+      float row[4];
+      for (int x = 0; x < 4; ++x) row[x] = halo.value[z + 1][y + 1][x + 1];
+      for (int n = 0; n < 27; ++n) {
+        const float* from = &halo.value[z + n / 9][y + n / 3 % 3][n % 3];
+        for (int x = 0; x < 4; ++x) row[x] = std::min(row[x], from[x] + steps.cost[n]);
+      }
+      std::copy_n(row, 4, out + 4 * (y + 4 * z));
+    }
+}
+
+std::vector<BrickCoord> brick_coords(const FieldView& field) {
+  std::vector<BrickCoord> coords(field.coefficients.size / kBrickCells);
+  std::size_t cell = 0;
+  for (int z = 0; z < field.grid[2]; ++z)
+    for (int y = 0; y < field.grid[1]; ++y)
+      for (int x = 0; x < field.grid[0]; ++x, ++cell)
+        if (field.brick_at[cell] != kNoBrick)
+          coords[static_cast<std::size_t>(field.brick_at[cell])] = {x, y, z};
+  return coords;
+}
+
+/// Sum over the triangles of their area over that of an equilateral one of the size there.
+double predict_triangles(Backend& backend, const SizeView& sizes, const TriangleMesh& surface) {
+  const std::size_t count = surface.triangle_count();
+  std::vector<double> sums((count + kTriangleGrain - 1) / kTriangleGrain, 0.0);
+  backend.run(sums.size(), [&](std::size_t task) {
+    const std::size_t end = std::min((task + 1) * kTriangleGrain, count);
+    double sum = 0;
+    for (std::size_t t = task * kTriangleGrain; t < end; ++t) {
+      const Vec3 a = vertex_at(surface, surface.triangles[3 * t]);
+      const Vec3 b = vertex_at(surface, surface.triangles[3 * t + 1]);
+      const Vec3 c = vertex_at(surface, surface.triangles[3 * t + 2]);
+      const float h = size_at(sizes, a);
+      sum += 0.5f * norm(cross(b - a, c - a)) / (0.4330127f * (h * h));
+    }
+    sums[task] = sum;
+  });
+  double total = 0;
+  for (const double sum : sums) total += sum;
+  return total;
+}
+
+}  // namespace
+
+float radius_of_curvature(const FieldView& field, const Vec3& p, const Vec3& normal) {
+  constexpr float kHalf = 0.5f, kSine = 0.8660254f;
+  constexpr float kDirections[6][2] = {{1, 0},  {kHalf, kSine},   {-kHalf, kSine},
+                                       {-1, 0}, {-kHalf, -kSine}, {kHalf, -kSine}};
+  const Vec3 u = any_tangent(normal), v = cross(normal, u);
+  float least = kLargestRadius * kLargestRadius;
+  for (const auto& direction : kDirections) {
+    Vec3 q = p + kRing * (direction[0] * u + direction[1] * v);
+    const FieldSample at = project_to_surface(field, kRing, kSteps, q);
+    if (!at.known) {
+      least = std::min(least, 0.25f * kRing * kRing);
+      continue;
+    }
+    const float turned = squared_norm(normal + normalised(at.gradient));
+    const float apart = squared_norm(q - p);
+    if (apart < least * turned) least = apart / turned;
+  }
+  return std::sqrt(least);
+}
+
+void grow_limited(Backend& backend, const FieldView& field, float growth, float reach,
+                  Buffer<float>& values) {
+  const Scale voxel = {2 * field.step[0], 2 * field.step[1], 2 * field.step[2]};
+  const StepCosts steps(voxel, growth);
+  const std::vector<BrickCoord> coords = brick_coords(field);
+  const auto passes = static_cast<int>(std::ceil(reach / std::min({voxel[0], voxel[1], voxel[2]})));
+  constexpr std::size_t kGrain = 32;
+  Buffer<float> next(backend, values.size());
+  for (int pass = 0; pass < passes; ++pass) {
+    const float* from = values.view().data();
+    float* to = next.view().data();
+    backend.run((coords.size() + kGrain - 1) / kGrain, [&](std::size_t task) {
+      const std::size_t end = std::min((task + 1) * kGrain, coords.size());
+      for (std::size_t b = task * kGrain; b < end; ++b)
+        relax(SizeHalo(field, coords[b], from, kLargestRadius), steps, to + kCells * b);
+    });
+    std::swap(values, next);
+  }
+}
+
+SizeField make_sizes(Backend& backend, const IndicatorField& field, const TriangleMesh& surface,
+                     const SizeRule& rule) {
+  const FieldView view = field.view();
+  SizeField result;
+  result.largest = rule.edge_max;
+  result.samples = first_vertices(view, surface);
+  const std::size_t count = result.samples.count();
+  backend.run((count + kSampleGrain - 1) / kSampleGrain, [&](std::size_t task) {
+    const std::size_t end = std::min((task + 1) * kSampleGrain, count);
+    for (std::size_t i = task * kSampleGrain; i < end; ++i) settle(view, result.samples, i);
+  });
+
+  result.sizes = Buffer<float>(backend, view.coefficients.size / kBrickCells * kCells);
+  float* sizes = result.sizes.view().data();
+  std::fill_n(sizes, result.sizes.size(), rule.edge_max);
+  float least = rule.edge_max;
+  for (std::size_t i = 0; i < count; ++i) {
+    const float size = size_for(rule, result.samples.radius[i]);
+    sizes[result.samples.cell[i]] = size;
+    least = std::min(least, size);
+  }
+  const float reach = std::min((rule.edge_max - least) / rule.gradation, kFarthest);
+  grow_limited(backend, view, rule.gradation, reach, result.sizes);
+  result.predicted_triangles = predict_triangles(backend, result.view(field), surface);
+  return result;
+}
+
+}  // namespace vasamesh
