@@ -194,7 +194,8 @@ void for_each_block(Backend& backend, const BlockGrid& grid, WorkingSurface& sur
 
 WorkingSurface make_working_surface(Backend& backend, const FieldView& field,
                                     const SizeView& sizes, const TriangleMesh& mesh) {
-  constexpr float kLeastAgreement = 0.2f;  // of the field's and the triangles' normal
+  constexpr float kLeastAgreement = 0.5f;  // of the field's and the triangles' normal
+  constexpr float kNear = 0.15f;           // voxel lengths from the zero set
   WorkingSurface surface;
   surface.triangles = mesh.triangles;
   surface.points.resize(mesh.vertex_count());
@@ -216,7 +217,9 @@ WorkingSurface make_working_surface(Backend& backend, const FieldView& field,
       p.size = size_at(sizes, p.position);
       const FieldSample sample = sample_field(field, p.position);
       const Vec3 outwards = -normalised(sample.gradient);
-      if (sample.known && dot(outwards, p.normal) > kLeastAgreement) p.normal = outwards;
+      if (sample.known && dot(outwards, p.normal) > kLeastAgreement &&
+          sample.value * sample.value <= kNear * kNear * squared_norm(sample.gradient))
+        p.normal = outwards;
     }
   });
   return surface;

@@ -11,6 +11,7 @@ namespace {
 bool leaves_good_triangles(const PatchMesh& mesh, std::uint32_t gone, std::uint32_t kept,
                            float longest) {
   const SurfacePoint& point = mesh.points[kept];
+  const float limit = std::min(kSine10, facing_fan_quality(mesh, gone));
   bool good = true;
   mesh.for_each_out(gone, [&](std::uint32_t h) {
     const std::uint32_t b = mesh.target(h), c = mesh.apex(h);
@@ -19,7 +20,7 @@ bool leaves_good_triangles(const PatchMesh& mesh, std::uint32_t gone, std::uint3
     const SurfacePoint& q = mesh.points[c];
     good = relative_length(point, p) <= longest * longest &&
            relative_length(point, q) <= longest * longest && edge_follows(point, p) &&
-           edge_follows(point, q) && triangle_quality(point, p, q) >= kSine10;
+           edge_follows(point, q) && may_replace(mesh.points[gone], point, p, q, limit);
   });
   return good;
 }

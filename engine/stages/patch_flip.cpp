@@ -20,7 +20,7 @@ FlipQuality flip_quality(const PatchMesh& mesh, std::uint32_t h) {
   FlipQuality quality;
   quality.before = std::min(triangle_quality(p, q, c), triangle_quality(q, p, d));
   quality.after = std::min(triangle_quality(d, c, p), triangle_quality(c, d, q));
-  if (!edge_follows(c, d)) quality.after = -1;
+  if (!edge_follows(c, d)) quality.after = -2;
   return quality;
 }
 

@@ -24,7 +24,9 @@ float merged_quality(const PatchMesh& mesh, std::uint32_t gone, std::uint32_t ke
     const std::uint32_t b = mesh.target(h), c = mesh.apex(h);
     if (b == kept || c == kept) return;
     least = std::min(least, triangle_quality(mesh.points[kept], mesh.points[b], mesh.points[c]));
-    if (!edge_follows(mesh.points[kept], mesh.points[b])) least = -1;
+    if (!edge_follows(mesh.points[kept], mesh.points[b]) ||
+        !may_replace(mesh.points[gone], mesh.points[kept], mesh.points[b], mesh.points[c], 0))
+      least = -2;
   });
   return least;
 }
@@ -89,7 +91,7 @@ bool try_move(PatchMesh& mesh, const RemeshGoal& goal, std::uint32_t v) {
       if (!(fan_quality(mesh, v, point) > best)) continue;
       if (!put_onto_surface(goal, kReach, point)) continue;
       const float quality = fan_quality(mesh, v, point);
-      if (!(quality > best + 1e-4f)) continue;
+      if (!(quality > best + 1e-4f) || !may_move(mesh, v, point, 0)) continue;
       best = quality;
       mesh.points[v] = point;
       better = true;

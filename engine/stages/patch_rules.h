@@ -5,6 +5,7 @@
 /// makes them.
 
 #include <algorithm>
+#include <cmath>
 
 #include "stages/patch_mesh.h"
 #include "types/vec3.h"
@@ -29,8 +30,8 @@ inline float least_sine(float a, float b, float c, float doubled_area) {
   return longest_two > 0 ? doubled_area / longest_two : 0.0f;
 }
 
-/// Squared sine of the least angle of the triangle; -1 when it faces away from the surface at one
-/// of its corners.
+/// Squared sine of the triangle's least angle. Where it does not face as the surface at one of its
+/// corners does (kLeastFacing), the cosine between them minus 1: below -0.5, the worse the lower.
 inline float triangle_quality(const SurfacePoint& a, const SurfacePoint& b, const SurfacePoint& c) {
   const Vec3 ab = b.position - a.position, bc = c.position - b.position,
              ca = a.position - c.position;
@@ -38,7 +39,8 @@ inline float triangle_quality(const SurfacePoint& a, const SurfacePoint& b, cons
   const float area = squared_norm(normal);
   const float facing =
       std::min({dot(normal, a.normal), dot(normal, b.normal), dot(normal, c.normal)});
-  if (!(facing > 0 && facing * facing >= kLeastFacing * kLeastFacing * area)) return -1;
+  if (!(facing > 0 && facing * facing >= kLeastFacing * kLeastFacing * area))
+    return area > 0 ? facing / std::sqrt(area) - 1 : -2;
   return least_sine(squared_norm(ab), squared_norm(bc), squared_norm(ca), area);
 }
 
@@ -64,6 +66,38 @@ inline float fan_quality(const PatchMesh& mesh, std::uint32_t v, const SurfacePo
                                              mesh.points[mesh.apex(h)]));
   });
   return least;
+}
+
+/// The least quality of the triangles round a whole vertex that face as the surface does.
+inline float facing_fan_quality(const PatchMesh& mesh, std::uint32_t v) {
+  float least = 1;
+  mesh.for_each_out(v, [&](std::uint32_t h) {
+    const float quality =
+        triangle_quality(mesh.points[v], mesh.points[mesh.target(h)], mesh.points[mesh.apex(h)]);
+    if (quality >= 0) least = std::min(least, quality);
+  });
+  return least;
+}
+
+/// Whether `point` may take the place of `old` in a triangle with b and c: the quality is `limit`
+/// or more, or the triangle faces wrongly already and comes to face less so.
+inline bool may_replace(const SurfacePoint& old, const SurfacePoint& point, const SurfacePoint& b,
+                        const SurfacePoint& c, float limit) {
+  const float quality = triangle_quality(point, b, c);
+  if (quality >= limit) return true;
+  const float before = triangle_quality(old, b, c);
+  return before < 0 && quality >= before;
+}
+
+/// Whether `point` may take the place of the whole vertex v in all of its triangles.
+inline bool may_move(const PatchMesh& mesh, std::uint32_t v, const SurfacePoint& point,
+                     float limit) {
+  bool good = true;
+  mesh.for_each_out(v, [&](std::uint32_t h) {
+    good = good && may_replace(mesh.points[v], point, mesh.points[mesh.target(h)],
+                               mesh.points[mesh.apex(h)], limit);
+  });
+  return good;
 }
 
 }  // namespace vasamesh

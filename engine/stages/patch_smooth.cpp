@@ -34,13 +34,12 @@ void smooth_vertex(PatchMesh& mesh, const RemeshGoal& goal, std::uint32_t v) {
   step = step - dot(step, old.normal) * old.normal;
   const float length = norm(step), most = kLargestStep * old.size;
   if (length > most) step = (most / length) * step;
-  const float before = fan_quality(mesh, v, old);
-  const float wanted = std::min(before, kSine25);
+  const float limit = std::min(kSine25, facing_fan_quality(mesh, v));
   for (float part : {1.0f, 0.5f}) {
     SurfacePoint moved = old;
     moved.position = old.position + part * step;
     if (!put_onto_surface(goal, kReach, moved)) continue;
-    if (!(fan_quality(mesh, v, moved) >= wanted)) continue;
+    if (!may_move(mesh, v, moved, limit)) continue;
     mesh.points[v] = moved;
     return;
   }
