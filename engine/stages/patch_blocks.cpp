@@ -5,6 +5,7 @@
 #include <bit>
 #include <utility>
 
+#include "stages/patch_passes.h"
 #include "vasamesh/errors.h"
 
 namespace vasamesh {
@@ -192,34 +193,37 @@ void for_each_block(Backend& backend, const BlockGrid& grid, WorkingSurface& sur
   join(backend, parts, surface);
 }
 
+namespace {
+
+/// Sums of the triangles' normals, by area.
+void set_mesh_normals(WorkingSurface& surface) {
+  for (std::size_t c = 0; c < surface.triangles.size(); c += 3) {
+    SurfacePoint* corner[3];
+    for (int i = 0; i < 3; ++i) corner[i] = &surface.points[surface.triangles[c + i]];
+    const Vec3 normal = cross(corner[1]->position - corner[0]->position,
+                              corner[2]->position - corner[0]->position);
+    for (SurfacePoint* p : corner) p->normal = p->normal + normal;
+  }
+}
+
+}  // namespace
+
 WorkingSurface make_working_surface(Backend& backend, const FieldView& field,
                                     const SizeView& sizes, const TriangleMesh& mesh) {
-  constexpr float kLeastAgreement = 0.5f;  // of the field's and the triangles' normal
-  constexpr float kNear = 0.15f;           // voxel lengths from the zero set
   WorkingSurface surface;
   surface.triangles = mesh.triangles;
   surface.points.resize(mesh.vertex_count());
   for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
     surface.points[v].position = {mesh.vertices[3 * v], mesh.vertices[3 * v + 1],
                                   mesh.vertices[3 * v + 2]};
-  for (std::size_t c = 0; c < mesh.triangles.size(); c += 3) {
-    SurfacePoint* corner[3];
-    for (int i = 0; i < 3; ++i) corner[i] = &surface.points[mesh.triangles[c + i]];
-    const Vec3 normal = cross(corner[1]->position - corner[0]->position,
-                              corner[2]->position - corner[0]->position);
-    for (SurfacePoint* p : corner) p->normal = p->normal + normal;
-  }
+  set_mesh_normals(surface);
   const std::size_t count = surface.points.size();
   backend.run(chunks(count), [&](std::size_t chunk) {
     for (std::size_t v = chunk * kChunk; v < std::min((chunk + 1) * kChunk, count); ++v) {
       SurfacePoint& p = surface.points[v];
       p.normal = normalised(p.normal);
       p.size = size_at(sizes, p.position);
-      const FieldSample sample = sample_field(field, p.position);
-      const Vec3 outwards = -normalised(sample.gradient);
-      if (sample.known && dot(outwards, p.normal) > kLeastAgreement &&
-          sample.value * sample.value <= kNear * kNear * squared_norm(sample.gradient))
-        p.normal = outwards;
+      take_normal(field, p);
     }
   });
   return surface;

@@ -21,8 +21,9 @@ namespace vasamesh {
 /// A vertex of a surface that is being remeshed; lengths in voxel lengths.
 struct SurfacePoint {
   Vec3 position;
-  Vec3 normal;     ///< outward unit normal of the indicator function's level set
+  Vec3 normal;     ///< outward unit normal: of the indicator function's level set, or of the mesh
   float size = 1;  ///< edge length that is asked for
+  bool on_field = true;  ///< false where the function says nothing of use about the surface
 };
 
 class PatchMesh {

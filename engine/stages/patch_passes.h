@@ -44,8 +44,12 @@ void smooth(PatchMesh& mesh, const RemeshGoal& goal, int passes);
 /// `wanted`, each time only if the least angle there grows. \return triangles that stay below.
 std::uint32_t repair(PatchMesh& mesh, const RemeshGoal& goal, float wanted, int passes);
 
+/// Gives a point the field's normal and on_field, or on_field = false and the normal that it has:
+/// where the zero set is too far, its gradient too small, or its normal too far from the point's.
+void take_normal(const FieldView& field, SurfacePoint& point);
+
 /// Puts a point near the surface onto it, with the normal and the size there. False where the field
-/// gives no place within `reach` that faces as the point does; the point then stays as it is.
+/// gives no place of use within `reach` that faces as the point does; the point then stays.
 bool put_onto_surface(const RemeshGoal& goal, float reach, SurfacePoint& point);
 
 }  // namespace vasamesh

@@ -89,7 +89,7 @@ bool try_move(PatchMesh& mesh, const RemeshGoal& goal, std::uint32_t v) {
       SurfacePoint point = from;
       point.position = from.position + (step * from.size) * (cosine * u + sine * w);
       if (!(fan_quality(mesh, v, point) > best)) continue;
-      if (!put_onto_surface(goal, kReach, point)) continue;
+      if (from.on_field && !put_onto_surface(goal, kReach, point)) continue;
       const float quality = fan_quality(mesh, v, point);
       if (!(quality > best + 1e-4f) || !may_move(mesh, v, point, 0)) continue;
       best = quality;

@@ -27,8 +27,20 @@ Vec3 fan_centre(const PatchMesh& mesh, std::uint32_t v) {
   return weights > 0 ? (1.0f / weights) * sum : Vec3{};
 }
 
+/// The mean normal of the triangles round v, by area.
+Vec3 fan_normal(const PatchMesh& mesh, std::uint32_t v) {
+  Vec3 sum;
+  const Vec3& p = mesh.points[v].position;
+  mesh.for_each_out(v, [&](std::uint32_t h) {
+    sum = sum + cross(mesh.points[mesh.target(h)].position - p,
+                      mesh.points[mesh.apex(h)].position - p);
+  });
+  return normalised(sum);
+}
+
 /// Moves v where its fan is at least as good as before or good enough.
 void smooth_vertex(PatchMesh& mesh, const RemeshGoal& goal, std::uint32_t v) {
+  if (!mesh.points[v].on_field) mesh.points[v].normal = fan_normal(mesh, v);
   const SurfacePoint old = mesh.points[v];
   Vec3 step = fan_centre(mesh, v);
   step = step - dot(step, old.normal) * old.normal;
@@ -38,7 +50,7 @@ void smooth_vertex(PatchMesh& mesh, const RemeshGoal& goal, std::uint32_t v) {
   for (float part : {1.0f, 0.5f}) {
     SurfacePoint moved = old;
     moved.position = old.position + part * step;
-    if (!put_onto_surface(goal, kReach, moved)) continue;
+    if (old.on_field && !put_onto_surface(goal, kReach, moved)) continue;
     if (!may_move(mesh, v, moved, limit)) continue;
     mesh.points[v] = moved;
     return;

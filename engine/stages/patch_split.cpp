@@ -5,15 +5,35 @@
 
 namespace vasamesh {
 
+namespace {
+
+constexpr float kLeastSlope = 0.15f;      // of the field a voxel length
+constexpr float kLeastAgreement = 0.5f;   // cosine of the normals before and after
+constexpr float kMostDistance = 0.1f;     // voxel lengths
+
+/// Whether the field's normal there is of use to a point with the normal `wanted`.
+bool is_of_use(const FieldSample& sample, const Vec3& wanted, float slope) {
+  return sample.known && slope >= kLeastSlope &&
+         -dot(sample.gradient, wanted) >= kLeastAgreement * slope;
+}
+
+}  // namespace
+
+void take_normal(const FieldView& field, SurfacePoint& point) {
+  const FieldSample sample = sample_field(field, point.position);
+  const float slope = norm(sample.gradient);
+  point.on_field = is_of_use(sample, point.normal, slope) &&
+                   std::abs(sample.value) <= kMostDistance * slope;
+  if (point.on_field) point.normal = (-1 / slope) * sample.gradient;
+}
+
 bool put_onto_surface(const RemeshGoal& goal, float reach, SurfacePoint& point) {
   constexpr int kSteps = 3;
-  constexpr float kLeastAgreement = 0.3f;  // of the normals before and after
   Vec3 position = point.position;
   const FieldSample sample = project_to_surface(goal.field, reach, kSteps, position);
-  if (!sample.known) return false;
-  const Vec3 normal = -normalised(sample.gradient);
-  if (!(dot(normal, point.normal) >= kLeastAgreement)) return false;
-  point = {position, normal, size_at(goal.sizes, position)};
+  const float slope = norm(sample.gradient);
+  if (!is_of_use(sample, point.normal, slope)) return false;
+  point = {position, (-1 / slope) * sample.gradient, size_at(goal.sizes, position), true};
   return true;
 }
 
@@ -45,8 +65,8 @@ void split_long_edges(PatchMesh& mesh, const RemeshGoal& goal, float longest) {
     const SurfacePoint& q = mesh.points[w];
     if (!(relative_length(p, q) > longest * longest)) continue;
     SurfacePoint middle = {0.5f * (p.position + q.position), normalised(p.normal + q.normal),
-                           0.5f * (p.size + q.size)};
-    put_onto_surface(goal, kReach, middle);
+                           0.5f * (p.size + q.size), p.on_field && q.on_field};
+    if (middle.on_field) put_onto_surface(goal, kReach, middle);
     if (splits_well(mesh, h, middle)) mesh.split(h, middle);
   }
 }
