@@ -12,11 +12,9 @@
 /// sphere could close. Corners, not vertices, carry the boundary: a vertex where the front touches
 /// itself has several. The result is the same for any number of threads.
 
-#include <cstdint>
-#include <vector>
-
 #include "backend/backend.h"
 #include "stages/field.h"
+#include "stages/gap_loops.h"
 #include "stages/sizing.h"
 #include "vasamesh/types.h"
 
@@ -26,11 +24,9 @@ namespace vasamesh {
 struct FrontResult {
   TriangleMesh mesh;  ///< voxel lengths; the patches' vertices and triangles first, unchanged
 
-  /// The open boundary: loop i is loops[loop_start[i]] .. loops[loop_start[i + 1] - 1], vertices in
-  /// the order of the triangles' own edges: the mesh lies to the left of each edge and the gap to
-  /// the right, seen from outside. A vertex may come more than once, in one loop or in several.
-  std::vector<std::uint32_t> loops;
-  std::vector<std::uint32_t> loop_start;  ///< loops + 1 entries
+  /// The open boundary as gaps: to the left of each loop, which runs against the triangles' own
+  /// edges. A vertex may come more than once, in one loop or in several.
+  GapLoops loops;
 
   int rounds = 0;
   bool over_budget = false;  ///< stopped at three times the triangles that were predicted

@@ -79,7 +79,7 @@ inline float angle_between(const Vec3& p, const Vec3& n, const Vec3& from, const
   Vec3 a = from - p, b = to - p;
   a = a - dot(a, n) * n;
   b = b - dot(b, n) * n;
-  return angle_of(dot(a, b), dot(n, cross(a, b)));
+  return positive_angle(dot(a, b), dot(n, cross(a, b)));
 }
 
 /// Cells of 2 x 2 x 2 voxels, eight a brick of the field: where boundary edges are looked up, and

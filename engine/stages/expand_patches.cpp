@@ -116,14 +116,15 @@ FrontResult give_result(const Front& front) {
     result.mesh.vertices.insert(result.mesh.vertices.end(), {p.x, p.y, p.z});
   result.mesh.triangles = front.triangles;
   std::vector<std::uint8_t> seen(front.vertex.size(), 0);
-  result.loop_start.push_back(0);
+  std::vector<std::uint32_t> loop;
   for (const std::uint32_t first : front.alive) {
     if (seen[first]) continue;
-    for (std::uint32_t c = first; !seen[c]; c = front.next[c]) {
+    loop.clear();
+    for (std::uint32_t c = first; !seen[c]; c = front.previous[c]) {
       seen[c] = 1;
-      result.loops.push_back(front.vertex[c]);
+      loop.push_back(front.vertex[c]);
     }
-    result.loop_start.push_back(static_cast<std::uint32_t>(result.loops.size()));
+    result.loops.add(loop);
   }
   return result;
 }

@@ -10,7 +10,7 @@ namespace vasamesh {
 inline constexpr float kPi = 3.14159265f;
 
 /// The angle of the vector (x, y), from 0 to 2 pi; 0 of no vector.
-inline float angle_of(float x, float y) {
+inline float positive_angle(float x, float y) {
   const float ax = x < 0 ? -x : x, ay = y < 0 ? -y : y;
   const float least = ax < ay ? ax : ay, most = ax < ay ? ay : ax;
   if (!(most > 0)) return 0;
