@@ -129,6 +129,23 @@ void relax(const SizeHalo& halo, const StepCosts& steps, float* out) {
     }
 }
 
+/// The mean curvature over a cell and those round it that the surface passes; `none` elsewhere.
+void average(const SizeHalo& halo, float none, float* out) {
+  for (int z = 0; z < 4; ++z)
+    for (int y = 0; y < 4; ++y)
+      for (int x = 0; x < 4; ++x, ++out) {
+        if (*out == none) continue;
+        float sum = 0, count = 0;
+        for (int n = 0; n < 27; ++n) {
+          const float value = halo.value[z + n / 9][y + n / 3 % 3][x + n % 3];
+          if (value == none) continue;
+          sum += value;
+          count += 1;
+        }
+        *out = sum / count;
+      }
+}
+
 std::vector<BrickCoord> brick_coords(const FieldView& field) {
   std::vector<BrickCoord> coords(field.coefficients.size / kBrickCells);
   std::size_t cell = 0;
@@ -138,6 +155,25 @@ std::vector<BrickCoord> brick_coords(const FieldView& field) {
         if (field.brick_at[cell] != kNoBrick)
           coords[static_cast<std::size_t>(field.brick_at[cell])] = {x, y, z};
   return coords;
+}
+
+/// Each radius of curvature becomes that of the mean curvature round it.
+void smooth_radii(Backend& backend, const FieldView& field, SurfaceSamples& samples) {
+  constexpr float kNoValue = -1;
+  constexpr std::size_t kGrain = 32;
+  const std::vector<BrickCoord> coords = brick_coords(field);
+  std::vector<float> curvature(coords.size() * kCells, kNoValue);
+  for (std::size_t i = 0; i < samples.count(); ++i)
+    if (samples.radius[i] > 0) curvature[samples.cell[i]] = 1 / samples.radius[i];
+  std::vector<float> smooth = curvature;
+  backend.run((coords.size() + kGrain - 1) / kGrain, [&](std::size_t task) {
+    const std::size_t end = std::min((task + 1) * kGrain, coords.size());
+    for (std::size_t b = task * kGrain; b < end; ++b)
+      average(SizeHalo(field, coords[b], curvature.data(), kNoValue), kNoValue,
+              &smooth[kCells * b]);
+  });
+  for (std::size_t i = 0; i < samples.count(); ++i)
+    if (samples.radius[i] > 0) samples.radius[i] = 1 / smooth[samples.cell[i]];
 }
 
 /// Sum over the triangles of their area over that of an equilateral one of the size there.
@@ -220,6 +256,7 @@ SizeField make_sizes(Backend& backend, const IndicatorField& field, const Triang
     for (std::size_t i = task * kSampleGrain; i < end; ++i) settle(view, result.samples, i);
   });
 
+  smooth_radii(backend, view, result.samples);
   result.sizes = Buffer<float>(backend, view.coefficients.size / kBrickCells * kCells);
   float* sizes = result.sizes.view().data();
   std::fill_n(sizes, result.sizes.size(), rule.edge_max);
