@@ -10,7 +10,6 @@ namespace {
 constexpr float kFacing = 0.35f;      // least cosine of a triangle's normal and a corner's
 constexpr float kSheetOffset = 0.6f;  // of the longest edge: farther off is another sheet
 constexpr float kShrink = 0.06f;      // of the longest edge, off each side
-constexpr float kOffSurface = 0.2f;   // of an edge's length
 constexpr float kAlongGradient = 0.45f;
 
 std::array<float, 3> squared_edges(const Triangle& t) {
@@ -36,11 +35,11 @@ bool faces_outward(const Triangle& t, const std::array<Vec3, 3>& normals) {
          dot(n, normals[2]) > kFacing;
 }
 
-bool edge_on_surface(const FieldView& field, const Vec3& a, const Vec3& b) {
+bool edge_on_surface(const FieldView& field, const Vec3& a, const Vec3& b, float off) {
   const FieldSample middle = sample_field(field, 0.5f * (a + b));
   if (!middle.known) return false;
   const float slope = norm(middle.gradient), length = norm(b - a);
-  return std::fabs(middle.value) <= kOffSurface * length * slope &&
+  return std::fabs(middle.value) <= off * length * slope &&
          std::fabs(dot(middle.gradient, b - a)) <= kAlongGradient * slope * length;
 }
 

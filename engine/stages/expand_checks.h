@@ -28,9 +28,9 @@ float longest_edge(const Triangle& t);
 /// not do: round a tube of three edges it vanishes, and the tube would be capped.
 bool faces_outward(const Triangle& t, const std::array<Vec3, 3>& normals);
 
-/// Whether the edge follows the surface: its middle is near the zero set and the gradient there is
-/// across the edge.
-bool edge_on_surface(const FieldView& field, const Vec3& a, const Vec3& b);
+/// Whether the edge follows the surface: its middle is within `off` times its length of the zero
+/// set, and the gradient there is across the edge.
+bool edge_on_surface(const FieldView& field, const Vec3& a, const Vec3& b, float off);
 
 /// Whether a boundary edge of the same sheet runs through the triangle, both seen in the
 /// triangle's plane. The triangle is taken a little smaller, so that touching at a corner or along

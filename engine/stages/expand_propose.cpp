@@ -5,6 +5,7 @@
 #include <span>
 
 #include "stages/expand_checks.h"
+#include "stages/expand_place.h"
 
 namespace vasamesh {
 
@@ -17,7 +18,6 @@ constexpr float kClaim = 1.25f;      // edge lengths that a corner claims round 
 constexpr float kWideClaim = 2.9f;
 constexpr float kSearch = 2.6f;  // edge lengths in which boundary edges matter
 constexpr float kFanTau = 0.45f;
-constexpr int kSteps = 5;  // Newton steps
 
 /// The parts that an open angle is cut into.
 int parts_of(float angle) {
@@ -105,7 +105,7 @@ bool Proposer::good_triangle(const Triangle& t, const std::array<Vec3, 3>& norma
 
 bool Proposer::good_edge(const Vec3& a, const Vec3& b) const {
   const float most = kLongestEdge * length_;
-  return squared_norm(b - a) <= most * most && edge_on_surface(field_, a, b);
+  return squared_norm(b - a) <= most * most && edge_on_surface(field_, a, b, limits_.off_surface);
 }
 
 bool Proposer::clear_of_edges(std::span<const Triangle> triangles) const {
@@ -174,14 +174,9 @@ bool Proposer::place(int parts, Proposal& placed) const {
     const Vec3 direction = turn.cosine * across - turn.sine * left;
     const float there = size_at(sizes_, here_ + length_ * direction);
     const float edge = std::clamp(0.5f * (length_ + there), 0.7f * near, 1.35f * near);
-    Vec3 p = here_ + edge * direction;
-    if (!project_to_surface(field_, 0.6f * edge, kSteps, p).known) return false;
-    p = here_ + (edge / std::max(norm(p - here_), 0.5f * edge)) * (p - here_);
-    const FieldSample at_end = project_to_surface(field_, 0.5f * edge, kSteps, p);
-    if (!at_end.known) return false;
-    placed.position[i] = p;
-    placed.normal[i] = -normalised(at_end.gradient);
-    placed.size[i] = size_at(sizes_, p);
+    if (!place_on_surface(field_, here_, direction, edge, placed.position[i], placed.normal[i]))
+      return false;
+    placed.size[i] = size_at(sizes_, placed.position[i]);
   }
   return true;
 }

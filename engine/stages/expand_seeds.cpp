@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "stages/expand_checks.h"
+#include "stages/expand_place.h"
 
 namespace vasamesh {
 
@@ -13,7 +14,7 @@ namespace {
 constexpr float kApart = 9.0f;  // edge lengths between seeds
 constexpr float kClear = 2.1f;  // edge lengths from a seed's centre to any vertex
 constexpr float kSeedTau = 0.6f;
-constexpr int kSteps = 5;  // Newton steps
+constexpr float kOffSurface = 0.2f;  // of an edge's length
 constexpr std::size_t kGrain = 64;
 
 /// Vertices by cell, for the search round a point.
@@ -104,20 +105,17 @@ Hexagon make_hexagon(const FieldView& field, const Vec3& p, const Vec3& normal, 
   const Vec3 u = any_tangent(normal), v = cross(normal, u);
   Hexagon hexagon;
   for (std::size_t i = 0; i < 6; ++i) {
-    Vec3 q = p + edge * (kDirections[i][0] * u + kDirections[i][1] * v);
-    if (!project_to_surface(field, 0.6f * edge, kSteps, q).known) return hexagon;
-    q = p + (edge / std::max(norm(q - p), 0.5f * edge)) * (q - p);
-    const FieldSample at = project_to_surface(field, 0.5f * edge, kSteps, q);
-    if (!at.known) return hexagon;
-    hexagon.position[i] = q;
-    hexagon.normal[i] = -normalised(at.gradient);
+    if (!place_on_surface(field, p, kDirections[i][0] * u + kDirections[i][1] * v, edge,
+                          hexagon.position[i], hexagon.normal[i]))
+      return hexagon;
   }
   for (std::size_t i = 0; i < 6; ++i) {
     const std::size_t j = (i + 1) % 6;
     const Triangle t = {p, hexagon.position[i], hexagon.position[j]};
     if (edge_ratio(t) < kSeedTau ||
         !faces_outward(t, {normal, hexagon.normal[i], hexagon.normal[j]}) ||
-        !edge_on_surface(field, t[0], t[1]) || !edge_on_surface(field, t[1], t[2]))
+        !edge_on_surface(field, t[0], t[1], kOffSurface) ||
+        !edge_on_surface(field, t[1], t[2], kOffSurface))
       return hexagon;
   }
   hexagon.good = true;

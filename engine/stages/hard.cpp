@@ -1,6 +1,7 @@
 #include "stages/hard.h"
 
 #include <algorithm>
+#include <cstddef>
 
 namespace vasamesh {
 
@@ -10,7 +11,7 @@ constexpr float kThin = 0.7f;    // of edge_min: a smaller radius of curvature i
 constexpr float kRoom = 0.6f;    // of edge_min: no other sheet within this, along the normal
 constexpr float kGrowth = 3.0f;  // edge lengths that regions are grown by
 constexpr float kFar = 1e6f;
-constexpr std::size_t kSampleGrain = 256, kTriangleGrain = 8192;
+constexpr std::size_t kSampleGrain = 256, kSurfaceGrain = 8192;
 
 /// Whether the function keeps its sign on each side of the surface as far as `reach`.
 bool has_room(const FieldView& field, const Vec3& p, const Vec3& normal, float reach) {
@@ -26,6 +27,67 @@ bool is_hard(const FieldView& field, const SurfaceSamples& samples, const SizeRu
              std::size_t i) {
   return samples.radius[i] < kThin * rule.edge_min ||
          !has_room(field, samples.position[i], samples.normal[i], kRoom * rule.edge_min);
+}
+
+/// Which vertices lie within the growth of a hard place.
+std::vector<std::uint8_t> near_vertices(Backend& backend, const SizeView& distance,
+                                        const SizeView& sizes, const TriangleMesh& surface) {
+  const std::size_t count = surface.vertex_count();
+  std::vector<std::uint8_t> near(count);
+  backend.run((count + kSurfaceGrain - 1) / kSurfaceGrain, [&](std::size_t task) {
+    const std::size_t end = std::min((task + 1) * kSurfaceGrain, count);
+    for (std::size_t v = task * kSurfaceGrain; v < end; ++v) {
+      const float* p = &surface.vertices[3 * v];
+      const Vec3 at = {p[0], p[1], p[2]};
+      near[v] = size_at(distance, at) <= kGrowth * size_at(sizes, at);
+    }
+  });
+  return near;
+}
+
+/// The triangles with a flagged vertex.
+std::vector<std::uint8_t> triangles_at(Backend& backend, const std::vector<std::uint8_t>& flagged,
+                                       const TriangleMesh& surface) {
+  const std::size_t count = surface.triangle_count();
+  std::vector<std::uint8_t> hard(count);
+  backend.run((count + kSurfaceGrain - 1) / kSurfaceGrain, [&](std::size_t task) {
+    const std::size_t end = std::min((task + 1) * kSurfaceGrain, count);
+    for (std::size_t t = task * kSurfaceGrain; t < end; ++t) {
+      const std::uint32_t* v = &surface.triangles[3 * t];
+      hard[t] = flagged[v[0]] | flagged[v[1]] | flagged[v[2]];
+    }
+  });
+  return hard;
+}
+
+/// Flags the vertices at which the hard triangles are more than one fan. \return whether any is.
+bool widen_pinches(const TriangleMesh& surface, const std::vector<std::uint8_t>& hard,
+                   std::vector<std::uint8_t>& flagged) {
+  // An unflagged vertex and one of its neighbours, for each hard triangle with both. A fan has one
+  // triangle more than inner edges; a whole star has as many.
+  std::vector<std::uint64_t> spokes;
+  for (std::size_t t = 0; t < hard.size(); ++t) {
+    if (!hard[t]) continue;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::uint32_t v = surface.triangles[3 * t + i];
+      if (flagged[v]) continue;
+      for (const std::size_t other : {(i + 1) % 3, (i + 2) % 3})
+        spokes.push_back(std::uint64_t{v} << 32 | surface.triangles[3 * t + other]);
+    }
+  }
+  std::sort(spokes.begin(), spokes.end());
+  bool any = false;
+  for (std::size_t i = 0; i < spokes.size();) {
+    const std::uint64_t v = spokes[i] >> 32;
+    const std::size_t first = i;
+    std::size_t inner = 0;
+    for (++i; i < spokes.size() && spokes[i] >> 32 == v; ++i) inner += spokes[i] == spokes[i - 1];
+    const std::size_t fans = (i - first) / 2 - inner;
+    if (fans < 2) continue;
+    flagged[v] = 1;
+    any = true;
+  }
+  return any;
 }
 
 }  // namespace
@@ -45,18 +107,10 @@ std::vector<std::uint8_t> find_hard_regions(Backend& backend, const IndicatorFie
   });
   grow_limited(backend, view, 1.0f, kGrowth * rule.edge_max, distance);
 
-  const SizeView size_view = sizes.view(field);
-  const SizeView distance_view = {view, distance.view(), kFar};
-  const std::size_t count = surface.triangle_count();
-  std::vector<std::uint8_t> hard(count);
-  backend.run((count + kTriangleGrain - 1) / kTriangleGrain, [&](std::size_t task) {
-    const std::size_t end = std::min((task + 1) * kTriangleGrain, count);
-    for (std::size_t t = task * kTriangleGrain; t < end; ++t) {
-      const float* p = &surface.vertices[std::size_t{3} * surface.triangles[3 * t]];
-      const Vec3 at = {p[0], p[1], p[2]};
-      hard[t] = size_at(distance_view, at) <= kGrowth * size_at(size_view, at);
-    }
-  });
+  std::vector<std::uint8_t> at_vertex =
+      near_vertices(backend, {view, distance.view(), kFar}, sizes.view(field), surface);
+  std::vector<std::uint8_t> hard = triangles_at(backend, at_vertex, surface);
+  while (widen_pinches(surface, hard, at_vertex)) hard = triangles_at(backend, at_vertex, surface);
   return hard;
 }
 
