@@ -107,4 +107,21 @@ bool Clearance::is_clear(const PatchMesh& mesh, std::span<const std::uint32_t> g
   return true;
 }
 
+bool Clearance::move_if_clear(PatchMesh& mesh, std::uint32_t v, const SurfacePoint& point) {
+  const SurfacePoint old = mesh.points[v];
+  mesh.points[v] = point;
+  fan_.clear();
+  fan_corners_.clear();
+  mesh.for_each_out(v, [&](std::uint32_t h) {
+    fan_.push_back(h);
+    fan_corners_.push_back({v, mesh.target(h), mesh.apex(h)});
+  });
+  if (!is_clear(mesh, fan_, fan_corners_)) {
+    mesh.points[v] = old;
+    return false;
+  }
+  for (std::uint32_t h : fan_) take_up(mesh, h);
+  return true;
+}
+
 }  // namespace vasamesh

@@ -32,6 +32,9 @@ class Clearance {
   /// grid, which costs time alone.
   void take_up(const PatchMesh& mesh, std::uint32_t h);
 
+  /// Moves the whole vertex v unless its triangles would then meet others. \return whether it did.
+  bool move_if_clear(PatchMesh& mesh, std::uint32_t v, const SurfacePoint& point);
+
  private:
   struct Entry {
     std::uint32_t face, next;
@@ -45,6 +48,8 @@ class Clearance {
   std::vector<Entry> entries_;
   std::vector<std::uint32_t> seen_;  // a face (first half-edge / 4): the stamp of its last visit
   std::uint32_t stamp_ = 0;
+  std::vector<std::uint32_t> fan_;  // of the vertex that is moved: half-edges, triangles
+  std::vector<Corners> fan_corners_;
 };
 
 }  // namespace vasamesh

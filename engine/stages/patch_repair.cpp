@@ -73,7 +73,6 @@ class Repair {
   bool try_move(std::uint32_t v);
   float merged_quality(std::uint32_t gone, std::uint32_t kept) const;
   void take_fan(std::uint32_t v, std::uint32_t point);
-  bool move_if_clear(std::uint32_t v, const SurfacePoint& point);
 
   PatchMesh& mesh_;
   const RemeshGoal& goal_;
@@ -143,21 +142,6 @@ bool Repair::try_collapse(std::uint32_t h) {
   return false;
 }
 
-/// Moves v unless its triangles would then run into others.
-bool Repair::move_if_clear(std::uint32_t v, const SurfacePoint& point) {
-  const SurfacePoint old = mesh_.points[v];
-  mesh_.points[v] = point;
-  take_fan(v, v);
-  made_.clear();
-  for (std::uint32_t h : gone_) made_.push_back({v, mesh_.target(h), mesh_.apex(h)});
-  if (!clearance_.is_clear(mesh_, gone_, made_)) {
-    mesh_.points[v] = old;
-    return false;
-  }
-  for (std::uint32_t h : gone_) clearance_.take_up(mesh_, h);
-  return true;
-}
-
 /// Compass search for the place of v with the best fan.
 bool Repair::try_move(std::uint32_t v) {
   if (!mesh_.is_inner(v)) return false;
@@ -174,7 +158,7 @@ bool Repair::try_move(std::uint32_t v) {
       if (from.on_field && !put_onto_surface(goal_, kReach, point)) return;
       const float found = fan_of(v, point);
       if (!(found > best + 1e-4f) || !may_move(mesh_, v, point, 0, kLeastFacingInRepair) ||
-          !move_if_clear(v, point))
+          !clearance_.move_if_clear(mesh_, v, point))
         return;
       best = found;
       better = true;
