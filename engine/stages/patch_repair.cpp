@@ -1,9 +1,9 @@
 /// Repair of the worst triangles.
 
-#include <array>
 #include <optional>
 #include <vector>
 
+#include "stages/compass.h"
 #include "stages/patch_clearance.h"
 #include "stages/patch_passes.h"
 #include "stages/patch_rules.h"
@@ -14,23 +14,6 @@ namespace {
 
 constexpr float kReach = 0.3f;  // voxel lengths that the projection may move a vertex
 constexpr float kGain = 1.01f;  // the least by which a squared sine must grow
-
-/// Directions of a compass, as (cosine, sine).
-constexpr std::array<std::array<float, 2>, 8> kCompass = {{{1, 0},
-                                                           {0.70710678f, 0.70710678f},
-                                                           {0, 1},
-                                                           {-0.70710678f, 0.70710678f},
-                                                           {-1, 0},
-                                                           {-0.70710678f, -0.70710678f},
-                                                           {0, -1},
-                                                           {0.70710678f, -0.70710678f}}};
-
-/// Two unit vectors across a unit normal.
-std::array<Vec3, 2> tangents(const Vec3& normal) {
-  const Vec3 axis = normal.x * normal.x < 0.5f ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
-  const Vec3 u = normalised(cross(normal, axis));
-  return {u, cross(normal, u)};
-}
 
 float quality_of(const PatchMesh& mesh, std::uint32_t h) {
   return triangle_quality(mesh.points[mesh.origin(h)], mesh.points[mesh.target(h)],
