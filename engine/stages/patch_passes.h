@@ -40,6 +40,9 @@ void flip_to_angle(PatchMesh& mesh, int passes);
 /// and onto the surface.
 void smooth(PatchMesh& mesh, const RemeshGoal& goal, int passes);
 
+/// Moves inner vertices to where the triangles round them have edges of more equal lengths.
+void equalise(PatchMesh& mesh, const RemeshGoal& goal, int passes);
+
 /// Collapses, flips and moves round the triangles whose least angle has a squared sine below
 /// `wanted`, each time only if the least angle there grows. \return triangles that stay below.
 std::uint32_t repair(PatchMesh& mesh, const RemeshGoal& goal, float wanted, int passes);

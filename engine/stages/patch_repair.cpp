@@ -1,7 +1,10 @@
 /// Repair of the worst triangles.
 
-#include <array>
+#include <optional>
+#include <vector>
 
+#include "stages/compass.h"
+#include "stages/patch_clearance.h"
 #include "stages/patch_passes.h"
 #include "stages/patch_rules.h"
 
@@ -14,87 +17,139 @@ constexpr float kGain = 1.01f;  // the least by which a squared sine must grow
 
 float quality_of(const PatchMesh& mesh, std::uint32_t h) {
   return triangle_quality(mesh.points[mesh.origin(h)], mesh.points[mesh.target(h)],
-                          mesh.points[mesh.apex(h)]);
+                          mesh.points[mesh.apex(h)], kLeastFacingInRepair);
 }
 
-/// The least quality of the fan of `gone` once merged into `kept`.
-float merged_quality(const PatchMesh& mesh, std::uint32_t gone, std::uint32_t kept) {
+class Repair {
+ public:
+  Repair(PatchMesh& mesh, const RemeshGoal& goal) : mesh_(mesh), goal_(goal), clearance_(mesh) {}
+
+  /// One try at a triangle: its longest edge turned, its shortest away, its corners moved.
+  void repair_triangle(std::uint32_t first) {
+    std::uint32_t shortest = first, longest = first;
+    float least = length_of(first), most = least;
+    for (std::uint32_t h = first + 1; h < first + 3; ++h) {
+      const float length = length_of(h);
+      if (length < least) least = length, shortest = h;
+      if (length > most) most = length, longest = h;
+    }
+    const std::uint32_t corners[3] = {mesh_.apex(longest), mesh_.origin(longest),
+                                      mesh_.target(longest)};
+    if (try_flip(longest) || try_collapse(shortest)) return;
+    for (std::uint32_t v : corners) try_move(v);
+  }
+
+ private:
+  static float quality(const SurfacePoint& a, const SurfacePoint& b, const SurfacePoint& c) {
+    return triangle_quality(a, b, c, kLeastFacingInRepair);
+  }
+  float length_of(std::uint32_t h) const {
+    return squared_norm(mesh_.points[mesh_.target(h)].position -
+                        mesh_.points[mesh_.origin(h)].position);
+  }
+  float fan_of(std::uint32_t v, const SurfacePoint& point) const {
+    return fan_quality(mesh_, v, point, kLeastFacingInRepair);
+  }
+
+  bool try_flip(std::uint32_t h);
+  bool try_collapse(std::uint32_t h);
+  bool try_move(std::uint32_t v);
+  float merged_quality(std::uint32_t gone, std::uint32_t kept) const;
+  void take_fan(std::uint32_t v, std::uint32_t point);
+
+  PatchMesh& mesh_;
+  const RemeshGoal& goal_;
+  Clearance clearance_;
+  std::vector<std::uint32_t> gone_;
+  std::vector<Clearance::Corners> made_;
+};
+
+bool Repair::try_flip(std::uint32_t h) {
+  const std::uint32_t t = mesh_.twin(h);
+  if (t == PatchMesh::kNone || !mesh_.may_flip(h)) return false;
+  const std::uint32_t p = mesh_.origin(h), q = mesh_.target(h), c = mesh_.apex(h),
+                      d = mesh_.apex(t);
+  const float before = std::min(quality_of(mesh_, h), quality_of(mesh_, t));
+  const float after = std::min(quality(mesh_.points[d], mesh_.points[c], mesh_.points[p]),
+                               quality(mesh_.points[c], mesh_.points[d], mesh_.points[q]));
+  if (!(after > kGain * before) || !(after > before)) return false;
+  const std::uint32_t gone[2] = {h, t};
+  const Clearance::Corners made[2] = {{d, c, p}, {c, d, q}};
+  if (!clearance_.is_clear(mesh_, gone, made)) return false;
+  mesh_.flip(h);
+  for (std::uint32_t g : gone) clearance_.take_up(mesh_, g);
+  return true;
+}
+
+/// The least quality of the fan of `gone` once merged into `kept`; -2 where a triangle turns away.
+float Repair::merged_quality(std::uint32_t gone, std::uint32_t kept) const {
   float least = 1;
-  mesh.for_each_out(gone, [&](std::uint32_t h) {
-    const std::uint32_t b = mesh.target(h), c = mesh.apex(h);
+  mesh_.for_each_out(gone, [&](std::uint32_t h) {
+    const std::uint32_t b = mesh_.target(h), c = mesh_.apex(h);
     if (b == kept || c == kept) return;
-    least = std::min(least, triangle_quality(mesh.points[kept], mesh.points[b], mesh.points[c]));
-    if (!edge_follows(mesh.points[kept], mesh.points[b]) ||
-        !may_replace(mesh.points[gone], mesh.points[kept], mesh.points[b], mesh.points[c], 0))
+    least = std::min(least, quality(mesh_.points[kept], mesh_.points[b], mesh_.points[c]));
+    if (!may_replace(mesh_.points[gone], mesh_.points[kept], mesh_.points[b], mesh_.points[c], 0,
+                     kLeastFacingInRepair))
       least = -2;
   });
   return least;
 }
 
-bool try_collapse(PatchMesh& mesh, std::uint32_t h) {
-  const std::uint32_t ends[2] = {mesh.origin(h), mesh.target(h)};
+/// The fan of `v` and its triangles with `point` for v, without those that have both of them.
+void Repair::take_fan(std::uint32_t v, std::uint32_t point) {
+  gone_.clear();
+  made_.clear();
+  mesh_.for_each_out(v, [&](std::uint32_t h) {
+    const std::uint32_t b = mesh_.target(h), c = mesh_.apex(h);
+    gone_.push_back(h);
+    if (b != point && c != point) made_.push_back({point, b, c});
+  });
+}
+
+bool Repair::try_collapse(std::uint32_t h) {
+  const std::uint32_t ends[2] = {mesh_.origin(h), mesh_.target(h)};
   for (int i = 0; i < 2; ++i) {
     const std::uint32_t gone = ends[i], kept = ends[1 - i];
-    if (!mesh.is_whole(gone) || !mesh.is_whole(kept)) continue;
-    const float before = fan_quality(mesh, gone, mesh.points[gone]);
-    if (!(merged_quality(mesh, gone, kept) > kGain * before)) continue;
-    if (!mesh.may_collapse(h, gone, kept)) continue;
-    mesh.collapse(h, gone, kept);
+    if (!mesh_.is_whole(gone) || !mesh_.is_whole(kept)) continue;
+    const float before = fan_of(gone, mesh_.points[gone]);
+    const float after = merged_quality(gone, kept);
+    if (!(after > kGain * before) || !(after > before)) continue;
+    if (!mesh_.may_collapse(h, gone, kept)) continue;
+    take_fan(gone, kept);
+    if (!clearance_.is_clear(mesh_, gone_, made_)) continue;
+    mesh_.collapse(h, gone, kept);
+    for (std::uint32_t g : gone_)
+      if (mesh_.is_edge(g)) clearance_.take_up(mesh_, g);
     return true;
   }
   return false;
 }
 
-bool try_flip(PatchMesh& mesh, std::uint32_t h) {
-  const std::uint32_t t = mesh.twin(h);
-  if (t == PatchMesh::kNone || !mesh.may_flip(h)) return false;
-  const SurfacePoint& p = mesh.points[mesh.origin(h)];
-  const SurfacePoint& q = mesh.points[mesh.target(h)];
-  const SurfacePoint& c = mesh.points[mesh.apex(h)];
-  const SurfacePoint& d = mesh.points[mesh.apex(t)];
-  const float before = std::min(quality_of(mesh, h), quality_of(mesh, t));
-  const float after = std::min(triangle_quality(d, c, p), triangle_quality(c, d, q));
-  if (!(after > kGain * before) || !edge_follows(c, d)) return false;
-  mesh.flip(h);
-  return true;
-}
-
-/// Directions of a compass, as (cosine, sine).
-constexpr std::array<std::array<float, 2>, 8> kCompass = {{{1, 0},
-                                                           {0.70710678f, 0.70710678f},
-                                                           {0, 1},
-                                                           {-0.70710678f, 0.70710678f},
-                                                           {-1, 0},
-                                                           {-0.70710678f, -0.70710678f},
-                                                           {0, -1},
-                                                           {0.70710678f, -0.70710678f}}};
-
-/// Two unit vectors across a unit normal.
-std::array<Vec3, 2> tangents(const Vec3& normal) {
-  const Vec3 axis = normal.x * normal.x < 0.5f ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
-  const Vec3 u = normalised(cross(normal, axis));
-  return {u, cross(normal, u)};
-}
-
 /// Compass search for the place of v with the best fan.
-bool try_move(PatchMesh& mesh, const RemeshGoal& goal, std::uint32_t v) {
-  if (!mesh.is_inner(v)) return false;
+bool Repair::try_move(std::uint32_t v) {
+  if (!mesh_.is_inner(v)) return false;
   bool moved = false;
-  float best = fan_quality(mesh, v, mesh.points[v]);
+  float best = fan_of(v, mesh_.points[v]);
   for (float step = 0.2f; step > 0.02f;) {
-    const SurfacePoint from = mesh.points[v];
+    const SurfacePoint from = mesh_.points[v];
     const auto [u, w] = tangents(from.normal);
     bool better = false;
-    for (const auto& [cosine, sine] : kCompass) {
+    const auto consider = [&](const Vec3& direction) {
       SurfacePoint point = from;
-      point.position = from.position + (step * from.size) * (cosine * u + sine * w);
-      if (!(fan_quality(mesh, v, point) > best)) continue;
-      if (from.on_field && !put_onto_surface(goal, kReach, point)) continue;
-      const float quality = fan_quality(mesh, v, point);
-      if (!(quality > best + 1e-4f) || !may_move(mesh, v, point, 0)) continue;
-      best = quality;
-      mesh.points[v] = point;
+      point.position = from.position + (step * from.size) * direction;
+      if (!(fan_of(v, point) > best)) return;
+      if (from.on_field && !put_onto_surface(goal_, kReach, point)) return;
+      const float found = fan_of(v, point);
+      if (!(found > best + 1e-4f) || !may_move(mesh_, v, point, 0, kLeastFacingInRepair) ||
+          !clearance_.move_if_clear(mesh_, v, point))
+        return;
+      best = found;
       better = true;
+    };
+    for (const auto& [cosine, sine] : kCompass) consider(cosine * u + sine * w);
+    if (!from.on_field) {
+      consider(0.5f * from.normal);
+      consider(-0.5f * from.normal);
     }
     moved |= better;
     if (!better) step *= 0.5f;
@@ -102,32 +157,19 @@ bool try_move(PatchMesh& mesh, const RemeshGoal& goal, std::uint32_t v) {
   return moved;
 }
 
-/// One try at a triangle: its shortest edge away, its longest turned, its corners moved.
-void repair_triangle(PatchMesh& mesh, const RemeshGoal& goal, std::uint32_t first) {
-  std::uint32_t shortest = first, longest = first;
-  float least = 0, most = 0;
-  for (std::uint32_t h = first; h < first + 3; ++h) {
-    const float length = squared_norm(mesh.points[mesh.target(h)].position -
-                                      mesh.points[mesh.origin(h)].position);
-    if (h == first || length < least) least = length, shortest = h;
-    if (h == first || length > most) most = length, longest = h;
-  }
-  const std::uint32_t corners[3] = {mesh.apex(longest), mesh.origin(longest), mesh.target(longest)};
-  if (try_flip(mesh, longest) || try_collapse(mesh, shortest)) return;
-  for (std::uint32_t v : corners)
-    if (mesh.is_whole(v)) try_move(mesh, goal, v);
-}
-
 }  // namespace
 
 std::uint32_t repair(PatchMesh& mesh, const RemeshGoal& goal, float wanted, int passes) {
+  std::optional<Repair> work;
   std::uint32_t left = 0;
   for (int pass = 0; pass <= passes; ++pass) {
     left = 0;
     for (std::uint32_t t = 0; t < mesh.half_edge_end(); t += 4) {
       if (!mesh.is_edge(t) || quality_of(mesh, t) >= wanted) continue;
       ++left;
-      if (pass < passes) repair_triangle(mesh, goal, t);
+      if (pass == passes) continue;
+      if (!work) work.emplace(mesh, goal);
+      work->repair_triangle(t);
     }
     if (left == 0) break;
   }

@@ -18,6 +18,8 @@ inline constexpr float kSine10 = 0.030154f, kSine15 = 0.066987f, kSine20 = 0.116
 
 /// Least cosine of the angle between a triangle and the surface at its corners.
 inline constexpr float kLeastFacing = 0.5f;
+/// The same for repairs.
+inline constexpr float kLeastFacingInRepair = 0.25f;
 
 /// Largest cosine of the angle between an edge and the normals at its ends: more than five edges
 /// round a circle, and a chord less than a sixth of its length from the arc.
@@ -32,14 +34,15 @@ inline float least_sine(float a, float b, float c, float doubled_area) {
 
 /// Squared sine of the triangle's least angle. Where it does not face as the surface at one of its
 /// corners does (kLeastFacing), the cosine between them minus 1: below -0.5, the worse the lower.
-inline float triangle_quality(const SurfacePoint& a, const SurfacePoint& b, const SurfacePoint& c) {
+inline float triangle_quality(const SurfacePoint& a, const SurfacePoint& b, const SurfacePoint& c,
+                              float least_facing = kLeastFacing) {
   const Vec3 ab = b.position - a.position, bc = c.position - b.position,
              ca = a.position - c.position;
   const Vec3 normal = cross(ab, bc);
   const float area = squared_norm(normal);
   const float facing =
       std::min({dot(normal, a.normal), dot(normal, b.normal), dot(normal, c.normal)});
-  if (!(facing > 0 && facing * facing >= kLeastFacing * kLeastFacing * area))
+  if (!(facing > 0 && facing * facing >= least_facing * least_facing * area))
     return area > 0 ? facing / std::sqrt(area) - 1 : -2;
   return least_sine(squared_norm(ab), squared_norm(bc), squared_norm(ca), area);
 }
@@ -59,11 +62,12 @@ inline float relative_length(const SurfacePoint& a, const SurfacePoint& b) {
 }
 
 /// The least quality of the triangles round a whole vertex with `point` in its place.
-inline float fan_quality(const PatchMesh& mesh, std::uint32_t v, const SurfacePoint& point) {
+inline float fan_quality(const PatchMesh& mesh, std::uint32_t v, const SurfacePoint& point,
+                         float least_facing = kLeastFacing) {
   float least = 1;
   mesh.for_each_out(v, [&](std::uint32_t h) {
     least = std::min(least, triangle_quality(point, mesh.points[mesh.target(h)],
-                                             mesh.points[mesh.apex(h)]));
+                                             mesh.points[mesh.apex(h)], least_facing));
   });
   return least;
 }
@@ -82,20 +86,20 @@ inline float facing_fan_quality(const PatchMesh& mesh, std::uint32_t v) {
 /// Whether `point` may take the place of `old` in a triangle with b and c: the quality is `limit`
 /// or more, or the triangle faces wrongly already and comes to face less so.
 inline bool may_replace(const SurfacePoint& old, const SurfacePoint& point, const SurfacePoint& b,
-                        const SurfacePoint& c, float limit) {
-  const float quality = triangle_quality(point, b, c);
+                        const SurfacePoint& c, float limit, float least_facing = kLeastFacing) {
+  const float quality = triangle_quality(point, b, c, least_facing);
   if (quality >= limit) return true;
-  const float before = triangle_quality(old, b, c);
+  const float before = triangle_quality(old, b, c, least_facing);
   return before < 0 && quality >= before;
 }
 
 /// Whether `point` may take the place of the whole vertex v in all of its triangles.
 inline bool may_move(const PatchMesh& mesh, std::uint32_t v, const SurfacePoint& point,
-                     float limit) {
+                     float limit, float least_facing = kLeastFacing) {
   bool good = true;
   mesh.for_each_out(v, [&](std::uint32_t h) {
     good = good && may_replace(mesh.points[v], point, mesh.points[mesh.target(h)],
-                               mesh.points[mesh.apex(h)], limit);
+                               mesh.points[mesh.apex(h)], limit, least_facing);
   });
   return good;
 }

@@ -8,7 +8,7 @@ namespace vasamesh {
 
 namespace {
 
-constexpr int kRounds = 5;
+constexpr int kRounds = 5, kFinishRounds = 4;
 constexpr float kFineBlock = 16, kBlock = 32;  // voxel lengths
 
 }  // namespace
@@ -29,11 +29,12 @@ TriangleMesh remesh(Backend& backend, const FieldView& field, const SizeView& si
                      flip_to_valence(part, 3);
                      smooth(part, goal, 2);
                    });
-  for (int round = 0; round < 3; ++round)
-    for_each_block(backend, {kBlock, 0.1f + 0.3f * static_cast<float>(round)}, surface,
+  for (int round = 0; round < kFinishRounds; ++round)
+    for_each_block(backend, {kBlock, 0.1f + 0.25f * static_cast<float>(round)}, surface,
                    [&](PatchMesh& part) {
                      flip_to_angle(part, 3);
-                     smooth(part, goal, 3);
+                     smooth(part, goal, 2);
+                     equalise(part, goal, 2);
                      repair(part, goal, kSine25, 4);
                    });
   return make_mesh(surface);
