@@ -70,7 +70,7 @@ Polygon random_polygon(int corners, unsigned seed) {
 
 double degrees(float measure) { return std::acos(std::sqrt(measure)) * 180 / std::numbers::pi; }
 
-GapRules rules(float least_cosine = 0.2f) { return {plane().view(), least_cosine}; }
+GapRules rules(float least_cosine = 0.2f) { return {plane().view(), least_cosine, least_cosine}; }
 
 class RandomPolygons : public ::testing::TestWithParam<int> {};
 

@@ -47,23 +47,29 @@ struct ChordTrial {
 
 class Bridger {
  public:
-  Bridger(const TriangleMesh& mesh, const GapRules& rules, const GapLoops& loops, GapRim& rim)
-      : mesh_(mesh), rules_(rules), rim_(rim), loops_(loops.count()), extents_(loops.count()) {
+  Bridger(const TriangleMesh& mesh, const GapRules& rules, const GapLoops& loops,
+          std::vector<std::uint8_t> annular, GapRim& rim)
+      : mesh_(mesh),
+        rules_(rules),
+        rim_(rim),
+        loops_(loops.count()),
+        extents_(loops.count()),
+        annular_(std::move(annular)) {
     for (std::size_t l = 0; l < loops.count(); ++l) {
       loops_[l].assign(loops[l].begin(), loops[l].end());
       measure(l);
     }
   }
 
-  void join_annuli(std::vector<std::uint8_t> flagged) {
+  void join_annuli() {
     for (std::size_t l = 0; l < loops_.size();) {
       BridgeTrial bridge;
-      if (!flagged[l] || loops_[l].empty() || !find_bridge(l, bridge)) {
+      if (!annular_[l] || loops_[l].empty() || !find_bridge(l, bridge)) {
         ++l;
         continue;
       }
       join(l, bridge);
-      flagged[l] = turns_too_little(l);
+      annular_[l] = turns_too_little(l);
     }
   }
 
@@ -74,8 +80,11 @@ class Bridger {
 
   BridgedLoops take() {
     result_.loops.first.push_back(0);
-    for (const Loop& loop : loops_)
-      if (!loop.empty()) result_.loops.add(loop);
+    for (std::size_t l = 0; l < loops_.size(); ++l) {
+      if (loops_[l].empty()) continue;
+      result_.loops.add(loops_[l]);
+      result_.annular.push_back(annular_[l]);
+    }
     return std::move(result_);
   }
 
@@ -257,6 +266,7 @@ class Bridger {
     measure(l);
     loops_.insert(loops_.begin() + l + 1, std::move(rest));
     extents_.insert(extents_.begin() + l + 1, Extent{});
+    annular_.insert(annular_.begin() + l + 1, annular_[l]);
     measure(l + 1);
   }
 
@@ -265,6 +275,7 @@ class Bridger {
   GapRim& rim_;
   std::vector<Loop> loops_;  ///< empty once joined to another
   std::vector<Extent> extents_;
+  std::vector<std::uint8_t> annular_;
   BridgedLoops result_;
 };
 
@@ -291,12 +302,12 @@ std::vector<std::uint8_t> flag_annuli(Backend& backend, const TriangleMesh& mesh
 
 BridgedLoops bridge_loops(Backend& backend, const TriangleMesh& mesh, const GapRules& rules,
                           const GapLoops& loops, GapRim& rim) {
-  std::vector<std::uint8_t> flagged = flag_annuli(backend, mesh, loops, rim);
-  bool any = std::find(flagged.begin(), flagged.end(), 1) != flagged.end();
+  std::vector<std::uint8_t> annular = flag_annuli(backend, mesh, loops, rim);
+  bool any = std::find(annular.begin(), annular.end(), 1) != annular.end();
   for (std::size_t l = 0; l < loops.count() && !any; ++l) any = loops.size(l) > kLongLoop;
-  if (!any) return {loops, {}, 0, 0};
-  Bridger bridger(mesh, rules, loops, rim);
-  bridger.join_annuli(std::move(flagged));
+  if (!any) return {loops, std::move(annular), {}, 0, 0};
+  Bridger bridger(mesh, rules, loops, std::move(annular), rim);
+  bridger.join_annuli();
   bridger.split_long_loops();
   return bridger.take();
 }

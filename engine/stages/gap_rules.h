@@ -14,8 +14,10 @@ namespace vasamesh {
 
 struct GapRules {
   FieldView field;
-  /// Between a triangle's normal and the surface's, at its corners and at its middle; at least 0.
+  /// The least cosine between a triangle's normal and the surface's at its corners,
   float least_cosine = 0.5f;
+  /// and at its middle.
+  float middle_cosine = 0.5f;
   /// How far the middle of a chord, or of a triangle, may be from the surface, over its (longest)
   /// length.
   float reach = 0.35f;
@@ -53,9 +55,10 @@ inline bool chord_follows_surface(const GapRules& rules, const Vec3& a, const Ve
   return is_near_surface(middle, rules.reach * rules.reach * squared_norm(b - a));
 }
 
-/// Whether dot >= cosine * length, lengths above zero. `squared`: the length's square.
+/// Whether dot >= cosine * length; with a cosine of zero, dot > 0. `squared`: the length's square.
 inline bool is_within_angle(float dot, float cosine, float squared) {
-  return dot > 0 && dot * dot >= (cosine * cosine) * squared;
+  const float bound = (cosine * cosine) * squared;
+  return cosine < 0 ? dot > 0 || dot * dot <= bound : dot > 0 && dot * dot >= bound;
 }
 
 /// Whether the middle of the triangle (a, b, c) lies near the surface and faces as it does.
@@ -65,7 +68,7 @@ inline bool middle_follows_surface(const GapRules& rules, const Vec3& a, const V
   const FieldSample middle = sample_field(rules.field, (1.0f / 3.0f) * ((a + b) + c));
   const float longest = std::max({squared_norm(b - a), squared_norm(c - b), squared_norm(a - c)});
   return is_near_surface(middle, rules.reach * rules.reach * longest) &&
-         is_within_angle(-dot(middle.gradient, cross), rules.least_cosine,
+         is_within_angle(-dot(middle.gradient, cross), rules.middle_cosine,
                          squared_norm(middle.gradient) * squared_norm(cross));
 }
 
@@ -74,6 +77,7 @@ inline bool triangle_follows_surface(const GapRules& rules, const Vec3 (&p)[3],
                                      const Vec3 (&normal)[3]) {
   const Vec3 product = cross(p[1] - p[0], p[2] - p[0]);
   const float squared = squared_norm(product);
+  if (!(squared > 0)) return false;
   for (const Vec3& n : normal)
     if (!is_within_angle(dot(n, product), rules.least_cosine, squared)) return false;
   return middle_follows_surface(rules, p[0], p[1], p[2], product);

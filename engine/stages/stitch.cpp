@@ -13,9 +13,17 @@ namespace vasamesh {
 
 namespace {
 
-// How far a triangle may turn from the surface, from what is tried first to what is tried last.
-constexpr float kLeastCosines[] = {0.5f, 0.25f, 0.0f};
-constexpr float kBridgeCosine = 0.25f;
+// What is tried for a gap, in this order.
+struct Attempt {
+  float least_cosine, middle_cosine, reach;  // as in GapRules
+  bool star;                                 // a vertex in the middle instead of chords
+};
+constexpr Attempt kAttempts[] = {{0.5f, 0.5f, 0.35f, false},  {0.25f, 0.25f, 0.35f, false},
+                                 {0.25f, 0.25f, 0.35f, true}, {0.0f, 0.1f, 0.35f, false},
+                                 {0.0f, 0.1f, 0.5f, false},   {0.0f, 0.1f, 0.5f, true},
+                                 {-0.3f, 0.1f, 0.5f, false}};
+constexpr std::size_t kAnnularAttempts = 4;  // for a loop that may go round a tube: none caps it
+constexpr Attempt kBridgeRules{0.25f, 0.25f, 0.35f, false};
 constexpr std::size_t kMostCorners = 512;  // of a gap
 constexpr std::size_t kMostStarred = 16;   // corners of a gap that a vertex in its middle may close
 constexpr int kMostRounds = 16;            // of triangulation, while gaps want the same edges
@@ -68,10 +76,11 @@ class Stitcher {
     report_.loops = static_cast<std::int64_t>(loops.count());
     report_.first_vertex = mesh.vertex_count();
     report_.first_triangle = mesh.triangle_count();
-    BridgedLoops bridged = bridge_loops(backend, mesh, rules(kBridgeCosine), loops, rim_);
+    BridgedLoops bridged = bridge_loops(backend, mesh, rules(kBridgeRules), loops, rim_);
     report_.bridges = bridged.bridges;
     report_.splits = bridged.splits;
     loops_ = std::move(bridged.loops);
+    annular_ = std::move(bridged.annular);
     mesh.triangles.insert(mesh.triangles.end(), bridged.triangles.begin(), bridged.triangles.end());
   }
 
@@ -94,7 +103,9 @@ class Stitcher {
   }
 
  private:
-  GapRules rules(float least_cosine) const { return {field_, least_cosine}; }
+  GapRules rules(const Attempt& attempt) const {
+    return {field_, attempt.least_cosine, attempt.middle_cosine, attempt.reach};
+  }
 
   /// Where a loop's triangles are kept: n - 2 a loop, so that the places follow from the sizes.
   std::size_t place_of(std::size_t loop) const {
@@ -156,16 +167,17 @@ class Stitcher {
     // One triangle that has its other side in the surface already.
     if (loop.size() == 3 && rim_.across(loop[0], loop[1]) == loop[2]) return;
     load(l, work);
-    const GapPolygon polygon{work.points, work.normals, work.across, work.chords};
-    for (const float cosine : kLeastCosines) {
-      if (work.triangulator.run(polygon, rules(cosine), mode_)) {
-        closing_[l] = Closing::triangulated;
-        relaxed_[l] = cosine != kLeastCosines[0];
-        const auto found = work.triangulator.triangles();
-        std::copy(found.begin(), found.end(), triangles_.begin() + place_of(l));
-        return;
-      }
-      if (cosine == kLeastCosines[1] && close_by_star(l, polygon, rules(cosine))) return;
+    const std::span attempts(kAttempts, annular_[l] ? kAnnularAttempts : std::size(kAttempts));
+    float reach = 0;
+    for (const Attempt& attempt : attempts) {
+      if (attempt.reach != reach) find_chords(l, rules(attempt), work);
+      reach = attempt.reach;
+      if (!(attempt.star ? close_by_star(l, rules(attempt), work)
+                         : close_by_chords(l, rules(attempt), work)))
+        continue;
+      closing_[l] = attempt.star ? Closing::starred : Closing::triangulated;
+      relaxed_[l] = &attempt != kAttempts;
+      return;
     }
   }
 
@@ -181,11 +193,16 @@ class Stitcher {
       work.normals[i] = rim_.normal(loop[i]);
       if (mode_ == StitchMode::paper) work.across[i] = normal_across(loop[i], loop[(i + 1) % n]);
     }
+  }
+
+  void find_chords(std::uint32_t l, const GapRules& rules, GapWork& work) const {
+    const auto loop = loops_[l];
+    const std::size_t n = loop.size();
     for (std::size_t i = 0; i < n; ++i)
       for (std::size_t j = i + 2; j < n; ++j)
         work.chords[n * i + j] = work.chords[n * j + i] =
             j - i + 1 < n && is_free(loop[i], loop[j]) &&
-            chord_follows_surface(rules(0), work.points[i], work.points[j]);
+            chord_follows_surface(rules, work.points[i], work.points[j]);
     for (const Taken& taken : taken_) {
       if (taken.loop != l) continue;
       for (std::size_t i = 0; i < n; ++i)
@@ -204,25 +221,32 @@ class Stitcher {
     return normalised(cross(position(mesh_, c) - at, position(mesh_, b) - at));
   }
 
+  bool close_by_chords(std::uint32_t l, const GapRules& rules, GapWork& work) {
+    const GapPolygon polygon{work.points, work.normals, work.across, work.chords};
+    if (!work.triangulator.run(polygon, rules, mode_)) return false;
+    const auto found = work.triangulator.triangles();
+    std::copy(found.begin(), found.end(), triangles_.begin() + place_of(l));
+    return true;
+  }
+
   /// One vertex in the middle of the gap, joined to every edge.
-  bool close_by_star(std::uint32_t l, const GapPolygon& polygon, const GapRules& rules) {
-    const std::size_t n = polygon.points.size();
-    if (n < 4 || n > kMostStarred) return false;
+  bool close_by_star(std::uint32_t l, const GapRules& rules, const GapWork& work) {
+    const std::size_t n = work.points.size();
+    if (n > kMostStarred) return false;
     Vec3 middle;
-    for (const Vec3& p : polygon.points) middle = middle + p;
+    for (const Vec3& p : work.points) middle = middle + p;
     middle = (1.0f / static_cast<float>(n)) * middle;
-    const float reach = norm(polygon.points[0] - middle);
+    const float reach = norm(work.points[0] - middle);
     const FieldSample sample = project_to_surface(field_, reach, kNewtonSteps, middle);
     if (!sample.known) return false;
     const Vec3 normal = normalised(-sample.gradient);
     for (std::size_t i = 0; i < n; ++i) {
       const std::size_t j = (i + 1) % n;
-      const Vec3 points[3] = {polygon.points[i], polygon.points[j], middle};
-      const Vec3 normals[3] = {polygon.normals[i], polygon.normals[j], normal};
+      const Vec3 points[3] = {work.points[i], work.points[j], middle};
+      const Vec3 normals[3] = {work.normals[i], work.normals[j], normal};
       if (!triangle_follows_surface(rules, points, normals)) return false;
     }
     middles_[l] = middle;
-    closing_[l] = Closing::starred;
     return true;
   }
 
@@ -328,6 +352,7 @@ class Stitcher {
   // A loop each:
   std::vector<Closing> closing_;
   std::vector<GapFailure> failure_;  ///< says something where the gap is open
+  std::vector<std::uint8_t> annular_;
   std::vector<std::uint8_t> relaxed_;
   std::vector<std::uint8_t> repeated_;
   std::vector<Vec3> middles_;  ///< of starred gaps

@@ -58,7 +58,7 @@ bool GapTriangulator::obeys_normals(std::size_t i, std::size_t k, std::size_t j,
   squared = squared_norm(product);
   worst = std::min({dot(polygon_.normals[i], product), dot(polygon_.normals[k], product),
                     dot(polygon_.normals[j], product)});
-  return is_within_angle(worst, rules_.least_cosine, squared);
+  return squared > 0 && is_within_angle(worst, rules_.least_cosine, squared);
 }
 
 bool GapTriangulator::obeys_middle(std::size_t i, std::size_t k, std::size_t j,

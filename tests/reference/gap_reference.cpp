@@ -47,7 +47,8 @@ bool obeys(const GapPolygon& polygon, const GapRules& rules, const std::uint16_t
   if (!sample.known) return false;
   const Point gradient = wide(sample.gradient);
   return std::abs(sample.value) / length(gradient) <= rules.reach * longest &&
-         angle(normal, wide(-sample.gradient)) <= steepest;
+         angle(normal, wide(-sample.gradient)) <=
+             std::acos(static_cast<double>(rules.middle_cosine));
 }
 
 /// All triangulations of the part from corner i to j.
