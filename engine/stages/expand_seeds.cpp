@@ -65,18 +65,22 @@ class SparsePoints {
     head_.assign(cells, kNone);
   }
 
-  /// Adds the point unless another is nearer than `reach`, which is at most the cells' width.
-  bool add(const Vec3& p, float reach) {
+  /// Whether a point is nearer than `reach`, which is at most the cells' width.
+  bool any_near(const Vec3& p, float reach) const {
     const int x = place(p.x, 0), y = place(p.y, 1), z = place(p.z, 2);
     for (int k = std::max(z - 1, 0); k <= std::min(z + 1, side_[2] - 1); ++k)
       for (int j = std::max(y - 1, 0); j <= std::min(y + 1, side_[1] - 1); ++j)
         for (int i = std::max(x - 1, 0); i <= std::min(x + 1, side_[0] - 1); ++i)
           for (std::uint32_t q = head_[index(i, j, k)]; q != kNone; q = next_[q])
-            if (squared_norm(points_[q] - p) < reach * reach) return false;
-    next_.push_back(head_[index(x, y, z)]);
-    head_[index(x, y, z)] = static_cast<std::uint32_t>(points_.size());
+            if (squared_norm(points_[q] - p) < reach * reach) return true;
+    return false;
+  }
+
+  void add(const Vec3& p) {
+    std::uint32_t& head = head_[index(place(p.x, 0), place(p.y, 1), place(p.z, 2))];
+    next_.push_back(head);
+    head = static_cast<std::uint32_t>(points_.size());
     points_.push_back(p);
-    return true;
   }
 
  private:
@@ -153,10 +157,13 @@ std::size_t add_seeds(Backend& backend, const FieldView& field, const SizeView& 
   std::size_t count = 0;
   for (std::size_t i = 0; i < samples.count(); ++i) {
     if (!open[i]) continue;
-    const float edge = size_at(sizes, samples.position[i]);
-    const Hexagon hexagon = make_hexagon(field, samples.position[i], samples.normal[i], edge);
-    if (!hexagon.good || !taken.add(samples.position[i], kApart * edge)) continue;
-    add_hexagon(sizes, samples.position[i], samples.normal[i], hexagon, front);
+    const Vec3 &p = samples.position[i], &normal = samples.normal[i];
+    const float edge = size_at(sizes, p);
+    if (taken.any_near(p, kApart * edge)) continue;
+    const Hexagon hexagon = make_hexagon(field, p, normal, edge);
+    if (!hexagon.good) continue;
+    taken.add(p);
+    add_hexagon(sizes, p, normal, hexagon, front);
     ++count;
   }
   return count;

@@ -73,34 +73,35 @@ float size_for(const SizeRule& rule, float radius) {
   return std::min(wanted, 1.25f * radius);
 }
 
-/// The values of a brick and of the cells round it: 6 x 6 rows of 4 with one before and one after.
+/// The values of a brick and of the cells round it.
 struct SizeHalo {
   SizeHalo(const FieldView& field, const BrickCoord& coord, const float* values, float outside) {
-    std::fill(&value[0][0][0], &value[0][0][0] + 6 * 6 * 6, outside);
-    for (int dz = -1; dz <= 1; ++dz)
-      for (int dy = -1; dy <= 1; ++dy)
-        for (int dx = -1; dx <= 1; ++dx) {
-          const BrickCoord c = {coord.x + dx, coord.y + dy, coord.z + dz};
-          if (c.x < 0 || c.y < 0 || c.z < 0 || c.x >= field.grid[0] || c.y >= field.grid[1] ||
-              c.z >= field.grid[2])
-            continue;
-          const std::int32_t brick = field.brick_at[field.cell_of(c)];
-          if (brick != kNoBrick)
-            take(values + kCells * static_cast<std::size_t>(brick), dx, dy, dz);
-        }
+    const float* brick[3][3][3];
+    for (int z = 0; z < 3; ++z)
+      for (int y = 0; y < 3; ++y)
+        for (int x = 0; x < 3; ++x)
+          brick[z][y][x] =
+              cells_of(field, {coord.x + x - 1, coord.y + y - 1, coord.z + z - 1}, values);
+    for (int z = 0; z < 6; ++z)
+      for (int y = 0; y < 6; ++y) {
+        const auto& row = brick[(z + 3) >> 2][(y + 3) >> 2];
+        const int first = 4 * (((y + 3) & 3) + 4 * ((z + 3) & 3));
+        float* to = value[z][y];
+        to[0] = row[0] ? row[0][first + 3] : outside;
+        for (int x = 0; x < 4; ++x) to[x + 1] = row[1] ? row[1][first + x] : outside;
+        to[5] = row[2] ? row[2][first] : outside;
+      }
   }
 
-  /// The part of a neighbour's cells that touches the brick.
-  void take(const float* cells, int dx, int dy, int dz) {
-    const auto begin = [](int d) { return d < 0 ? 3 : 0; };
-    const auto end = [](int d) { return d > 0 ? 1 : 4; };
-    for (int z = begin(dz); z < end(dz); ++z)
-      for (int y = begin(dy); y < end(dy); ++y)
-        for (int x = begin(dx); x < end(dx); ++x)
-          value[z + 1 + 4 * dz][y + 1 + 4 * dy][x + 1 + 4 * dx] = cells[x + 4 * (y + 4 * z)];
+  static const float* cells_of(const FieldView& field, const BrickCoord& c, const float* values) {
+    if (c.x < 0 || c.y < 0 || c.z < 0 || c.x >= field.grid[0] || c.y >= field.grid[1] ||
+        c.z >= field.grid[2])
+      return nullptr;
+    const std::int32_t brick = field.brick_at[field.cell_of(c)];
+    return brick == kNoBrick ? nullptr : values + kCells * static_cast<std::size_t>(brick);
   }
 
-  float value[6][6][6];
+  float value[6][6][8];  ///< z, y, x, each from one cell before the brick's first
 };
 
 /// What a step to each of the 27 neighbours costs.
@@ -118,14 +119,16 @@ struct StepCosts {
 
 void relax(const SizeHalo& halo, const StepCosts& steps, float* out) {
   for (int z = 0; z < 4; ++z)
-    for (int y = 0; y < 4; ++y) {
-      float row[4];
-      for (int x = 0; x < 4; ++x) row[x] = halo.value[z + 1][y + 1][x + 1];
+    for (int y = 0; y < 4; ++y, out += 4) {
+      std::copy_n(&halo.value[z + 1][y + 1][1], 4, out);
       for (int n = 0; n < 27; ++n) {
         const float* from = &halo.value[z + n / 9][y + n / 3 % 3][n % 3];
-        for (int x = 0; x < 4; ++x) row[x] = std::min(row[x], from[x] + steps.cost[n]);
+        const float cost = steps.cost[n];
+        for (int x = 0; x < 4; ++x) {
+          const float there = from[x] + cost;
+          out[x] = there < out[x] ? there : out[x];
+        }
       }
-      std::copy_n(row, 4, out + 4 * (y + 4 * z));
     }
 }
 
