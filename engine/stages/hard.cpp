@@ -105,7 +105,7 @@ std::vector<std::uint8_t> find_hard_regions(Backend& backend, const IndicatorFie
     for (std::size_t i = task * kSampleGrain; i < end; ++i)
       if (is_hard(view, samples, rule, i)) to_hard[samples.cell[i]] = 0;
   });
-  grow_limited(backend, view, 1.0f, kGrowth * rule.edge_max, distance);
+  grow_limited(backend, field, 1.0f, kGrowth * rule.edge_max, distance);
 
   std::vector<std::uint8_t> at_vertex =
       near_vertices(backend, {view, distance.view(), kFar}, sizes.view(field), surface);

@@ -75,30 +75,21 @@ float size_for(const SizeRule& rule, float radius) {
 
 /// The values of a brick and of the cells round it.
 struct SizeHalo {
-  SizeHalo(const FieldView& field, const BrickCoord& coord, const float* values, float outside) {
-    const float* brick[3][3][3];
-    for (int z = 0; z < 3; ++z)
-      for (int y = 0; y < 3; ++y)
-        for (int x = 0; x < 3; ++x)
-          brick[z][y][x] =
-              cells_of(field, {coord.x + x - 1, coord.y + y - 1, coord.z + z - 1}, values);
+  /// \param near  the brick's entries of the neighbour table.
+  SizeHalo(const std::int32_t* near, const float* values, float outside) {
+    const float* brick[27];
+    for (int n = 0; n < 27; ++n)
+      brick[n] =
+          near[n] == kNoBrick ? nullptr : values + kCells * static_cast<std::size_t>(near[n]);
     for (int z = 0; z < 6; ++z)
       for (int y = 0; y < 6; ++y) {
-        const auto& row = brick[(z + 3) >> 2][(y + 3) >> 2];
+        const float* const* row = brick + 3 * ((y + 3) >> 2) + 9 * ((z + 3) >> 2);
         const int first = 4 * (((y + 3) & 3) + 4 * ((z + 3) & 3));
         float* to = value[z][y];
         to[0] = row[0] ? row[0][first + 3] : outside;
         for (int x = 0; x < 4; ++x) to[x + 1] = row[1] ? row[1][first + x] : outside;
         to[5] = row[2] ? row[2][first] : outside;
       }
-  }
-
-  static const float* cells_of(const FieldView& field, const BrickCoord& c, const float* values) {
-    if (c.x < 0 || c.y < 0 || c.z < 0 || c.x >= field.grid[0] || c.y >= field.grid[1] ||
-        c.z >= field.grid[2])
-      return nullptr;
-    const std::int32_t brick = field.brick_at[field.cell_of(c)];
-    return brick == kNoBrick ? nullptr : values + kCells * static_cast<std::size_t>(brick);
   }
 
   float value[6][6][8];  ///< z, y, x, each from one cell before the brick's first
@@ -118,18 +109,25 @@ struct StepCosts {
 };
 
 void relax(const SizeHalo& halo, const StepCosts& steps, float* out) {
-  for (int z = 0; z < 4; ++z)
-    for (int y = 0; y < 4; ++y, out += 4) {
-      std::copy_n(&halo.value[z + 1][y + 1][1], 4, out);
-      for (int n = 0; n < 27; ++n) {
-        const float* from = &halo.value[z + n / 9][y + n / 3 % 3][n % 3];
-        const float cost = steps.cost[n];
-        for (int x = 0; x < 4; ++x) {
-          const float there = from[x] + cost;
-          out[x] = there < out[x] ? there : out[x];
-        }
+  float least[kCells];
+  std::fill_n(least, kCells, kLargestRadius);
+  for (int n = 0; n < 27; ++n)
+    for (int row = 0; row < 16; ++row) {
+      const float* from = &halo.value[row / 4 + n / 9][row % 4 + n / 3 % 3][n % 3];
+      float* to = &least[4 * row];
+      for (int x = 0; x < 4; ++x) {
+        const float there = from[x] + steps.cost[n];
+        to[x] = there < to[x] ? there : to[x];
       }
     }
+  std::copy_n(least, kCells, out);
+}
+
+/// Whether a brick or one round it is flagged.
+bool any_of(const std::int32_t* near, const std::vector<std::uint8_t>& flags) {
+  for (int n = 0; n < 27; ++n)
+    if (near[n] != kNoBrick && flags[static_cast<std::size_t>(near[n])]) return true;
+  return false;
 }
 
 /// The mean curvature over a cell and those round it that the surface passes; `none` elsewhere.
@@ -149,31 +147,20 @@ void average(const SizeHalo& halo, float none, float* out) {
       }
 }
 
-std::vector<BrickCoord> brick_coords(const FieldView& field) {
-  std::vector<BrickCoord> coords(field.coefficients.size / kBrickCells);
-  std::size_t cell = 0;
-  for (int z = 0; z < field.grid[2]; ++z)
-    for (int y = 0; y < field.grid[1]; ++y)
-      for (int x = 0; x < field.grid[0]; ++x, ++cell)
-        if (field.brick_at[cell] != kNoBrick)
-          coords[static_cast<std::size_t>(field.brick_at[cell])] = {x, y, z};
-  return coords;
-}
-
 /// Each radius of curvature becomes that of the mean curvature round it.
-void smooth_radii(Backend& backend, const FieldView& field, SurfaceSamples& samples) {
+void smooth_radii(Backend& backend, const IndicatorField& field, SurfaceSamples& samples) {
   constexpr float kNoValue = -1;
   constexpr std::size_t kGrain = 32;
-  const std::vector<BrickCoord> coords = brick_coords(field);
-  std::vector<float> curvature(coords.size() * kCells, kNoValue);
+  const std::int32_t* near = field.neighbours.view().data();
+  const std::size_t bricks = field.brick_count();
+  std::vector<float> curvature(bricks * kCells, kNoValue);
   for (std::size_t i = 0; i < samples.count(); ++i)
     if (samples.radius[i] > 0) curvature[samples.cell[i]] = 1 / samples.radius[i];
   std::vector<float> smooth = curvature;
-  backend.run((coords.size() + kGrain - 1) / kGrain, [&](std::size_t task) {
-    const std::size_t end = std::min((task + 1) * kGrain, coords.size());
+  backend.run((bricks + kGrain - 1) / kGrain, [&](std::size_t task) {
+    const std::size_t end = std::min((task + 1) * kGrain, bricks);
     for (std::size_t b = task * kGrain; b < end; ++b)
-      average(SizeHalo(field, coords[b], curvature.data(), kNoValue), kNoValue,
-              &smooth[kCells * b]);
+      average(SizeHalo(near + 27 * b, curvature.data(), kNoValue), kNoValue, &smooth[kCells * b]);
   });
   for (std::size_t i = 0; i < samples.count(); ++i)
     if (samples.radius[i] > 0) samples.radius[i] = 1 / smooth[samples.cell[i]];
@@ -227,23 +214,32 @@ float radius_of_curvature(const FieldView& field, const Vec3& p, const Vec3& nor
   return std::sqrt(least);
 }
 
-void grow_limited(Backend& backend, const FieldView& field, float growth, float reach,
+void grow_limited(Backend& backend, const IndicatorField& field, float growth, float reach,
                   Buffer<float>& values) {
   const Scale voxel = {2 * field.step[0], 2 * field.step[1], 2 * field.step[2]};
   const StepCosts steps(voxel, growth);
-  const std::vector<BrickCoord> coords = brick_coords(field);
+  const std::int32_t* near = field.neighbours.view().data();
+  const std::size_t bricks = field.brick_count();
   const auto passes = static_cast<int>(std::ceil(reach / std::min({voxel[0], voxel[1], voxel[2]})));
   constexpr std::size_t kGrain = 32;
   Buffer<float> next(backend, values.size());
+  std::vector<std::uint8_t> changed(bricks, 1), changes(bricks);
   for (int pass = 0; pass < passes; ++pass) {
     const float* from = values.view().data();
     float* to = next.view().data();
-    backend.run((coords.size() + kGrain - 1) / kGrain, [&](std::size_t task) {
-      const std::size_t end = std::min((task + 1) * kGrain, coords.size());
-      for (std::size_t b = task * kGrain; b < end; ++b)
-        relax(SizeHalo(field, coords[b], from, kLargestRadius), steps, to + kCells * b);
+    backend.run((bricks + kGrain - 1) / kGrain, [&](std::size_t task) {
+      const std::size_t end = std::min((task + 1) * kGrain, bricks);
+      for (std::size_t b = task * kGrain; b < end; ++b) {
+        const float* own = from + kCells * b;
+        if (any_of(near + 27 * b, changed))
+          relax(SizeHalo(near + 27 * b, from, kLargestRadius), steps, to + kCells * b);
+        else
+          std::copy_n(own, kCells, to + kCells * b);
+        changes[b] = !std::equal(own, own + kCells, to + kCells * b);
+      }
     });
     std::swap(values, next);
+    std::swap(changed, changes);
   }
 }
 
@@ -259,7 +255,7 @@ SizeField make_sizes(Backend& backend, const IndicatorField& field, const Triang
     for (std::size_t i = task * kSampleGrain; i < end; ++i) settle(view, result.samples, i);
   });
 
-  smooth_radii(backend, view, result.samples);
+  smooth_radii(backend, field, result.samples);
   result.sizes = Buffer<float>(backend, view.coefficients.size / kBrickCells * kCells);
   float* sizes = result.sizes.view().data();
   std::fill_n(sizes, result.sizes.size(), rule.edge_max);
@@ -270,7 +266,7 @@ SizeField make_sizes(Backend& backend, const IndicatorField& field, const Triang
     least = std::min(least, size);
   }
   const float reach = std::min((rule.edge_max - least) / rule.gradation, kFarthest);
-  grow_limited(backend, view, rule.gradation, reach, result.sizes);
+  grow_limited(backend, field, rule.gradation, reach, result.sizes);
   result.predicted_triangles = predict_triangles(backend, result.view(field), surface);
   return result;
 }

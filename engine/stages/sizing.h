@@ -59,7 +59,7 @@ SizeField make_sizes(Backend& backend, const IndicatorField& field, const Triang
 /// Lowers each value to what its neighbours allow, value(p) <= value(q) + growth |p - q|, by
 /// min-plus passes over the 26 neighbours that carry a value `reach` lengths far.
 /// \param values  64 a brick of the field.
-void grow_limited(Backend& backend, const FieldView& field, float growth, float reach,
+void grow_limited(Backend& backend, const IndicatorField& field, float growth, float reach,
                   Buffer<float>& values);
 
 }  // namespace vasamesh
