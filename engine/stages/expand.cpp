@@ -25,7 +25,7 @@ FrontResult expand(Backend& backend, const IndicatorField& field, const SizeFiel
   }
   // What is left may be closed by less regular triangles.
   for (const std::uint32_t corner : front.alive) front.state[corner] = kChanged;
-  if (in_budget) in_budget = rounds.run({1.3f, 0.35f, 0.4f, 0.3f});
+  if (in_budget) in_budget = rounds.run({1.3f, 0.3f, 0.35f, 0.28f});
 
   FrontResult result = give_result(front);
   result.rounds = rounds.count();

@@ -12,12 +12,13 @@ namespace vasamesh {
 namespace {
 
 constexpr float kPart = kPi / 3;     // the angle that a corner is divided into
-constexpr float kEarAngle = 1.47f;   // radians: up to here a corner's edges are joined
+constexpr float kEarAngle = 1.75f;   // radians: up to here a corner's edges are joined
 constexpr float kNarrow = 1 / 3.0f;  // of the longest edge: nearer to the boundary is too near
 constexpr float kClaim = 1.25f;      // edge lengths that a corner claims round itself
 constexpr float kWideClaim = 2.9f;
-constexpr float kSearch = 2.6f;  // edge lengths in which boundary edges matter
-constexpr float kFanTau = 0.45f;
+constexpr float kSearch = 2.6f;                    // edge lengths in which boundary edges matter
+constexpr float kFanTau = 0.6f;                    // least of a fan's triangles
+constexpr float kSmaller = 0.9f, kLarger = 1.12f;  // a new edge over its neighbours, at most
 
 /// The parts that an open angle is cut into.
 int parts_of(float angle) {
@@ -173,7 +174,7 @@ bool Proposer::place(int parts, Proposal& placed) const {
     turn = turn.then(part);
     const Vec3 direction = turn.cosine * across - turn.sine * left;
     const float there = size_at(sizes_, here_ + length_ * direction);
-    const float edge = std::clamp(0.5f * (length_ + there), 0.7f * near, 1.35f * near);
+    const float edge = std::clamp(0.5f * (length_ + there), kSmaller * near, kLarger * near);
     if (!place_on_surface(field_, here_, direction, edge, placed.position[i], placed.normal[i]))
       return false;
     placed.size[i] = size_at(sizes_, placed.position[i]);

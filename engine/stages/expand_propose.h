@@ -14,9 +14,9 @@ namespace vasamesh {
 
 /// What is asked of proposals; the last rounds ask for less.
 struct FrontLimits {
-  float join_reach = 0.75f;  ///< how far from its place a new vertex may be replaced, in edges
-  float least_tau = 0.5f;    ///< shortest over longest edge of a triangle that adds no vertex
-  float least_angle = 0.6f;  ///< radians: of a corner filled, and of what a fill may leave open
+  float join_reach = 0.65f;  ///< how far from its place a new vertex may be replaced, in edges
+  float least_tau = 0.65f;   ///< shortest over longest edge of a triangle that adds no vertex
+  float least_angle = 0.7f;  ///< radians: of a corner filled, and of what a fill may leave open
   float off_surface = 0.2f;  ///< of a new edge's length: its middle from the zero set
 };
 

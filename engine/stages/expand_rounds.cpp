@@ -13,7 +13,7 @@ constexpr std::size_t kProposalGrain = 16;  // proposals a task takes
 /// Which corners go first: those that close, then the narrow ones.
 std::uint64_t rank_of(const Front& front, std::uint32_t corner) {
   if (front.in_loop_of_three(corner)) return 7;
-  constexpr float kUpTo[] = {3.9f, 3.4f, 2.75f, 2.2f, 1.47f};
+  constexpr float kUpTo[] = {3.9f, 3.4f, 2.75f, 2.2f, 1.75f};
   const float angle = front.angle[corner];
   std::uint64_t rank = 1;
   for (const float limit : kUpTo) rank += angle < limit;

@@ -11,8 +11,8 @@ namespace vasamesh {
 
 namespace {
 
-constexpr float kApart = 9.0f;  // edge lengths between seeds
-constexpr float kClear = 2.1f;  // edge lengths from a seed's centre to any vertex
+constexpr float kApart = 10.0f;  // edge lengths between seeds
+constexpr float kClear = 2.1f;   // edge lengths from a seed's centre to any vertex
 constexpr float kSeedTau = 0.6f;
 constexpr float kOffSurface = 0.2f;  // of an edge's length
 constexpr std::size_t kGrain = 64;
