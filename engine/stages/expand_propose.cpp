@@ -300,7 +300,8 @@ Proposal Proposer::try_join(const Vec3& place_next, const Vec3& place_previous, 
 Proposal Proposer::run(const EdgeGrid& grid, std::vector<BoundaryEdge>& edges) {
   if (next_ == previous_ || next_ == corner_) return {};
   if (!owns(corner_) || !owns(next_) || !owns(previous_)) return make(Proposal::more_room);
-  if (front_.in_loop_of_three(corner_)) return close_three();
+  // A loop of three is a gap to close, or the border of a lone triangle.
+  if (front_.in_loop_of_three(corner_) && front_.angle[corner_] < kPi) return close_three();
   edges.clear();
   grid.gather(cells_round(field_, here_, kSearch * length_), edges);
   edges_ = edges;
