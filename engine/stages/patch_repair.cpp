@@ -14,6 +14,7 @@ namespace {
 
 constexpr float kReach = 0.3f;  // voxel lengths that the projection may move a vertex
 constexpr float kGain = 1.01f;  // the least by which a squared sine must grow
+constexpr float kInflation = 0.1f;
 constexpr int kRelaxations = 6;
 constexpr float kShrink = 0.5f, kGrow = -0.52f;  // of the way to the mean of the neighbours
 constexpr float kMostRelaxed = 0.3f;  // voxel lengths from where a vertex was
@@ -189,6 +190,12 @@ void Repair::relax(float wanted) {
   const std::vector<std::uint32_t> vertices = vertices_near_bad(wanted);
   std::vector<Vec3> start;
   for (std::uint32_t v : vertices) start.push_back(mesh_.points[v].position);
+  for (std::uint32_t v : vertices) {
+    SurfacePoint point = mesh_.points[v];
+    point.normal = fan_normal(mesh_, v);
+    point.position = point.position + kInflation * point.normal;
+    clearance_.move_if_clear(mesh_, v, point);
+  }
   for (int pass = 0; pass < kRelaxations; ++pass)
     for (std::size_t i = 0; i < vertices.size(); ++i) {
       SurfacePoint point = mesh_.points[vertices[i]];
@@ -212,18 +219,23 @@ void Repair::relax(float wanted) {
 }  // namespace
 
 std::uint32_t repair(PatchMesh& mesh, const RemeshGoal& goal, float wanted, int passes) {
+  constexpr int kPassesBetween = 4;  // relaxations
   std::optional<Repair> work;
   for (int pass = 0;; ++pass) {
     std::uint32_t left = 0;
+    float worst = 1;
     for (std::uint32_t t = 0; t < mesh.half_edge_end(); t += 4) {
       if (!mesh.is_edge(t) || quality_of(mesh, t) >= wanted) continue;
       ++left;
+      worst = std::min(worst, quality_of(mesh, t));
       if (pass == passes) continue;
       if (!work) work.emplace(mesh, goal);
       work->repair_triangle(t);
     }
     if (left == 0 || pass == passes) return left;
-    if (pass % 4 == 3) work->relax(std::min(wanted, kSine20));
+    if (pass % kPassesBetween != kPassesBetween - 1) continue;
+    if (worst >= kSine20) return left;
+    work->relax(std::min(wanted, kSine20));
   }
 }
 

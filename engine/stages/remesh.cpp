@@ -35,7 +35,7 @@ TriangleMesh remesh(Backend& backend, const FieldView& field, const SizeView& si
                      flip_to_angle(part, 3);
                      smooth(part, goal, 2);
                      equalise(part, goal, 2);
-                     repair(part, goal, kSine25, round == kFinishRounds - 1 ? 12 : 4);
+                     repair(part, goal, kSine25, round == kFinishRounds - 1 ? 32 : 4);
                    });
   return make_mesh(surface);
 }
