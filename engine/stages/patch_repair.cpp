@@ -135,33 +135,31 @@ bool Repair::try_collapse(std::uint32_t h) {
 /// Compass search for the place of v with the best fan.
 bool Repair::try_move(std::uint32_t v) {
   if (!mesh_.is_inner(v)) return false;
-  bool moved = false;
-  float best = fan_of(v, mesh_.points[v]);
+  const SurfacePoint old = mesh_.points[v];
+  SurfacePoint place = old;
+  const float before = fan_of(v, old);
+  float best = before;
   for (float step = 0.2f; step > 0.02f;) {
-    const SurfacePoint from = mesh_.points[v];
+    const SurfacePoint from = place;
     const auto [u, w] = tangents(from.normal);
-    bool better = false;
     const auto consider = [&](const Vec3& direction) {
       SurfacePoint point = from;
       point.position = from.position + (step * from.size) * direction;
       if (!(fan_of(v, point) > best)) return;
       if (from.on_field && !put_onto_surface(goal_, kReach, point)) return;
       const float found = fan_of(v, point);
-      if (!(found > best + 1e-4f) || !may_move(mesh_, v, point, 0, kLeastFacingInRepair) ||
-          !clearance_.move_if_clear(mesh_, v, point))
-        return;
+      if (!(found > best + 1e-4f) || !may_move(mesh_, v, point, 0, kLeastFacingInRepair)) return;
       best = found;
-      better = true;
+      place = point;
     };
     for (const auto& [cosine, sine] : kCompass) consider(cosine * u + sine * w);
     if (!from.on_field) {
       consider(0.5f * from.normal);
       consider(-0.5f * from.normal);
     }
-    moved |= better;
-    if (!better) step *= 0.5f;
+    if (place.position == from.position) step *= 0.5f;
   }
-  return moved;
+  return best > before && clearance_.move_if_clear(mesh_, v, place);
 }
 
 /// Whole inner vertices within two edges of the triangles that are worse than `wanted`.
