@@ -67,6 +67,7 @@ class Repair {
   PatchMesh& mesh_;
   const RemeshGoal& goal_;
   Clearance clearance_;
+  int relaxations_ = 0;
   std::vector<std::uint32_t> gone_;
   std::vector<Clearance::Corners> made_;
 };
@@ -188,10 +189,11 @@ void Repair::relax(float wanted) {
   const std::vector<std::uint32_t> vertices = vertices_near_bad(wanted);
   std::vector<Vec3> start;
   for (std::uint32_t v : vertices) start.push_back(mesh_.points[v].position);
+  const float inflation = relaxations_++ % 3 == 2 ? -kInflation : kInflation;
   for (std::uint32_t v : vertices) {
     SurfacePoint point = mesh_.points[v];
     point.normal = fan_normal(mesh_, v);
-    point.position = point.position + kInflation * point.normal;
+    point.position = point.position + inflation * point.normal;
     clearance_.move_if_clear(mesh_, v, point);
   }
   for (int pass = 0; pass < kRelaxations; ++pass)
