@@ -5,7 +5,6 @@
 #include <bit>
 #include <utility>
 
-#include "stages/patch_passes.h"
 #include "vasamesh/errors.h"
 
 namespace vasamesh {
@@ -208,8 +207,8 @@ void set_mesh_normals(WorkingSurface& surface) {
 
 }  // namespace
 
-WorkingSurface make_working_surface(Backend& backend, const FieldView& field,
-                                    const SizeView& sizes, const TriangleMesh& mesh) {
+WorkingSurface make_working_surface(Backend& backend, const RemeshGoal& goal,
+                                    const TriangleMesh& mesh) {
   WorkingSurface surface;
   surface.triangles = mesh.triangles;
   surface.points.resize(mesh.vertex_count());
@@ -222,8 +221,8 @@ WorkingSurface make_working_surface(Backend& backend, const FieldView& field,
     for (std::size_t v = chunk * kChunk; v < std::min((chunk + 1) * kChunk, count); ++v) {
       SurfacePoint& p = surface.points[v];
       p.normal = normalised(p.normal);
-      p.size = size_at(sizes, p.position);
-      take_normal(field, p);
+      p.size = goal.size_at(p.position);
+      take_normal(goal.field, p);
     }
   });
   return surface;

@@ -13,8 +13,7 @@
 
 #include "backend/backend.h"
 #include "stages/patch_mesh.h"
-#include "types/indicator_field.h"
-#include "types/sizes.h"
+#include "stages/patch_passes.h"
 #include "vasamesh/types.h"
 
 namespace vasamesh {
@@ -38,8 +37,8 @@ void for_each_block(Backend& backend, const BlockGrid& grid, WorkingSurface& sur
 
 /// The surface to work on: normals from the field (the mean of the triangles' where the field has
 /// none or denies it), sizes at the vertices.
-WorkingSurface make_working_surface(Backend& backend, const FieldView& field,
-                                    const SizeView& sizes, const TriangleMesh& mesh);
+WorkingSurface make_working_surface(Backend& backend, const RemeshGoal& goal,
+                                    const TriangleMesh& mesh);
 
 /// The mesh of what is left.
 TriangleMesh make_mesh(const WorkingSurface& surface);

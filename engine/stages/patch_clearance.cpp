@@ -78,6 +78,8 @@ Clearance::Clearance(const PatchMesh& mesh) {
 void Clearance::take_up(const PatchMesh& mesh, std::uint32_t h) {
   const std::uint32_t face = h / 4;
   for_each_cell(Box(mesh, corners_of(mesh, face)), [&](std::uint32_t slot) {
+    for (std::uint32_t e = head_[slot]; e != PatchMesh::kNone; e = entries_[e].next)
+      if (entries_[e].face == face) return;
     entries_.push_back({face, head_[slot]});
     head_[slot] = static_cast<std::uint32_t>(entries_.size() - 1);
   });

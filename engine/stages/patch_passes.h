@@ -7,16 +7,39 @@
 /// Botsch, Kobbelt 2004; Dunyach, Vanderhaeghe, Barthe, Botsch: Adaptive remeshing for real-time
 /// mesh deformation, 2013.
 
+#include <algorithm>
+#include <cstdint>
+#include <span>
+
 #include "stages/patch_mesh.h"
 #include "types/indicator_field.h"
 #include "types/sizes.h"
 
 namespace vasamesh {
 
+/// A ball in which edges are to be shorter than elsewhere, or the input is to stay as it is.
+struct CarefulPlace {
+  Vec3 centre;
+  float radius = 2;  ///< voxel lengths
+  float factor = 1;  ///< of the sizes; 0: the input's vertices stay
+};
+
 /// What the vertices are projected onto and how long edges shall be.
 struct RemeshGoal {
   FieldView field;
   SizeView sizes;
+  std::span<const CarefulPlace> places;  ///< the least factor counts
+
+  /// The mean edge comes out shorter than the length that splits and collapses aim at.
+  static constexpr float kLengthFactor = 1.08f;
+
+  float size_at(const Vec3& p) const {
+    float factor = kLengthFactor;
+    for (const CarefulPlace& place : places)
+      if (squared_norm(p - place.centre) <= place.radius * place.radius)
+        factor = std::min(factor, kLengthFactor * place.factor);
+    return factor * vasamesh::size_at(sizes, p);
+  }
 };
 
 /// Edges longer than 4/3 of their size are split, shorter than 4/5 collapsed.

@@ -14,6 +14,10 @@ namespace {
 
 constexpr float kReach = 0.3f;  // voxel lengths that the projection may move a vertex
 constexpr float kGain = 1.01f;  // the least by which a squared sine must grow
+constexpr float kInflation = 0.1f;
+constexpr int kRelaxations = 6;
+constexpr float kShrink = 0.5f, kGrow = -0.52f;  // of the way to the mean of the neighbours
+constexpr float kMostRelaxed = 0.3f;  // voxel lengths from where a vertex was
 
 float quality_of(const PatchMesh& mesh, std::uint32_t h) {
   return triangle_quality(mesh.points[mesh.origin(h)], mesh.points[mesh.target(h)],
@@ -39,6 +43,8 @@ class Repair {
     for (std::uint32_t v : corners) try_move(v);
   }
 
+  void relax(float wanted);
+
  private:
   static float quality(const SurfacePoint& a, const SurfacePoint& b, const SurfacePoint& c) {
     return triangle_quality(a, b, c, kLeastFacingInRepair);
@@ -51,6 +57,7 @@ class Repair {
     return fan_quality(mesh_, v, point, kLeastFacingInRepair);
   }
 
+  std::vector<std::uint32_t> vertices_near_bad(float wanted) const;
   bool try_flip(std::uint32_t h);
   bool try_collapse(std::uint32_t h);
   bool try_move(std::uint32_t v);
@@ -60,6 +67,7 @@ class Repair {
   PatchMesh& mesh_;
   const RemeshGoal& goal_;
   Clearance clearance_;
+  int relaxations_ = 0;
   std::vector<std::uint32_t> gone_;
   std::vector<Clearance::Corners> made_;
 };
@@ -128,52 +136,107 @@ bool Repair::try_collapse(std::uint32_t h) {
 /// Compass search for the place of v with the best fan.
 bool Repair::try_move(std::uint32_t v) {
   if (!mesh_.is_inner(v)) return false;
-  bool moved = false;
-  float best = fan_of(v, mesh_.points[v]);
+  const SurfacePoint old = mesh_.points[v];
+  SurfacePoint place = old;
+  const float before = fan_of(v, old);
+  float best = before;
   for (float step = 0.2f; step > 0.02f;) {
-    const SurfacePoint from = mesh_.points[v];
+    const SurfacePoint from = place;
     const auto [u, w] = tangents(from.normal);
-    bool better = false;
     const auto consider = [&](const Vec3& direction) {
       SurfacePoint point = from;
       point.position = from.position + (step * from.size) * direction;
       if (!(fan_of(v, point) > best)) return;
       if (from.on_field && !put_onto_surface(goal_, kReach, point)) return;
       const float found = fan_of(v, point);
-      if (!(found > best + 1e-4f) || !may_move(mesh_, v, point, 0, kLeastFacingInRepair) ||
-          !clearance_.move_if_clear(mesh_, v, point))
-        return;
+      if (!(found > best + 1e-4f) || !may_move(mesh_, v, point, 0, kLeastFacingInRepair)) return;
       best = found;
-      better = true;
+      place = point;
     };
     for (const auto& [cosine, sine] : kCompass) consider(cosine * u + sine * w);
     if (!from.on_field) {
       consider(0.5f * from.normal);
       consider(-0.5f * from.normal);
     }
-    moved |= better;
-    if (!better) step *= 0.5f;
+    if (place.position == from.position) step *= 0.5f;
   }
-  return moved;
+  return best > before && clearance_.move_if_clear(mesh_, v, place);
+}
+
+/// Whole inner vertices within two edges of the triangles that are worse than `wanted`.
+std::vector<std::uint32_t> Repair::vertices_near_bad(float wanted) const {
+  std::vector<std::uint8_t> near(mesh_.vertex_count(), 0);
+  for (std::uint32_t t = 0; t < mesh_.half_edge_end(); t += 4)
+    if (mesh_.is_edge(t) && quality_of(mesh_, t) < wanted)
+      for (std::uint32_t h = t; h < t + 3; ++h) near[mesh_.origin(h)] = 1;
+  for (std::uint8_t ring = 1; ring <= 2; ++ring)
+    for (std::uint32_t v = 0; v < mesh_.vertex_count(); ++v) {
+      if (near[v] != ring || !mesh_.is_whole(v)) continue;
+      mesh_.for_each_out(v, [&](std::uint32_t h) {
+        for (std::uint32_t w : {mesh_.target(h), mesh_.apex(h)})
+          if (!near[w]) near[w] = ring + 1;
+      });
+    }
+  std::vector<std::uint32_t> vertices;
+  for (std::uint32_t v = 0; v < mesh_.vertex_count(); ++v)
+    if (near[v] && mesh_.is_there(v) && mesh_.is_inner(v)) vertices.push_back(v);
+  return vertices;
+}
+
+/// Smooths the places of the worst triangles as a membrane, off the field, where nothing comes to
+/// meet: they lie where the surface is crumpled at the scale of its edges.
+void Repair::relax(float wanted) {
+  const std::vector<std::uint32_t> vertices = vertices_near_bad(wanted);
+  std::vector<Vec3> start;
+  for (std::uint32_t v : vertices) start.push_back(mesh_.points[v].position);
+  const float inflation = relaxations_++ % 3 == 2 ? -kInflation : kInflation;
+  for (std::uint32_t v : vertices) {
+    SurfacePoint point = mesh_.points[v];
+    point.normal = fan_normal(mesh_, v);
+    point.position = point.position + inflation * point.normal;
+    clearance_.move_if_clear(mesh_, v, point);
+  }
+  for (int pass = 0; pass < kRelaxations; ++pass)
+    for (std::size_t i = 0; i < vertices.size(); ++i) {
+      SurfacePoint point = mesh_.points[vertices[i]];
+      Vec3 sum;
+      float count = 0;
+      mesh_.for_each_out(vertices[i], [&](std::uint32_t h) {
+        sum = sum + mesh_.points[mesh_.target(h)].position;
+        ++count;
+      });
+      const float part = pass % 2 == 0 ? kShrink : kGrow;
+      point.position = point.position + part * ((1 / count) * sum - point.position);
+      if (squared_norm(point.position - start[i]) > kMostRelaxed * kMostRelaxed) continue;
+      clearance_.move_if_clear(mesh_, vertices[i], point);
+    }
+  for (std::uint32_t v : vertices) {
+    mesh_.points[v].on_field = false;
+    mesh_.points[v].normal = fan_normal(mesh_, v);
+  }
 }
 
 }  // namespace
 
 std::uint32_t repair(PatchMesh& mesh, const RemeshGoal& goal, float wanted, int passes) {
+  constexpr int kPassesBetween = 4;  // relaxations
   std::optional<Repair> work;
-  std::uint32_t left = 0;
-  for (int pass = 0; pass <= passes; ++pass) {
-    left = 0;
+  for (int pass = 0;; ++pass) {
+    std::uint32_t left = 0;
+    float worst = 1;
     for (std::uint32_t t = 0; t < mesh.half_edge_end(); t += 4) {
       if (!mesh.is_edge(t) || quality_of(mesh, t) >= wanted) continue;
       ++left;
+      worst = std::min(worst, quality_of(mesh, t));
       if (pass == passes) continue;
       if (!work) work.emplace(mesh, goal);
       work->repair_triangle(t);
     }
-    if (left == 0) break;
+    if (left == 0 || pass == passes) return left;
+    if (pass % kPassesBetween != kPassesBetween - 1) continue;
+    if (worst >= kSine20) return left;
+    work->relax(std::min(wanted, kSine20));
   }
-  return left;
 }
 
 }  // namespace vasamesh

@@ -61,6 +61,17 @@ inline float relative_length(const SurfacePoint& a, const SurfacePoint& b) {
   return squared_norm(b.position - a.position) / (size * size);
 }
 
+/// The mean normal of the triangles round a whole vertex, by area.
+inline Vec3 fan_normal(const PatchMesh& mesh, std::uint32_t v) {
+  Vec3 sum;
+  const Vec3& p = mesh.points[v].position;
+  mesh.for_each_out(v, [&](std::uint32_t h) {
+    sum = sum + cross(mesh.points[mesh.target(h)].position - p,
+                      mesh.points[mesh.apex(h)].position - p);
+  });
+  return normalised(sum);
+}
+
 /// The least quality of the triangles round a whole vertex with `point` in its place.
 inline float fan_quality(const PatchMesh& mesh, std::uint32_t v, const SurfacePoint& point,
                          float least_facing = kLeastFacing) {

@@ -30,17 +30,6 @@ Vec3 fan_centre(const PatchMesh& mesh, std::uint32_t v) {
   return weights > 0 ? (1.0f / weights) * sum : Vec3{};
 }
 
-/// The mean normal of the triangles round v, by area.
-Vec3 fan_normal(const PatchMesh& mesh, std::uint32_t v) {
-  Vec3 sum;
-  const Vec3& p = mesh.points[v].position;
-  mesh.for_each_out(v, [&](std::uint32_t h) {
-    sum = sum + cross(mesh.points[mesh.target(h)].position - p,
-                      mesh.points[mesh.apex(h)].position - p);
-  });
-  return normalised(sum);
-}
-
 /// The tangential part of the way to the fan's centre.
 Vec3 smoothing_step(const PatchMesh& mesh, std::uint32_t v) {
   const SurfacePoint& p = mesh.points[v];

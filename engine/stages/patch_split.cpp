@@ -33,7 +33,7 @@ bool put_onto_surface(const RemeshGoal& goal, float reach, SurfacePoint& point) 
   const FieldSample sample = project_to_surface(goal.field, reach, kSteps, position);
   const float slope = norm(sample.gradient);
   if (!is_of_use(sample, point.normal, slope)) return false;
-  point = {position, (-1 / slope) * sample.gradient, size_at(goal.sizes, position), true};
+  point = {position, (-1 / slope) * sample.gradient, goal.size_at(position), true};
   return true;
 }
 
