@@ -20,14 +20,15 @@ struct Attempt {
 };
 constexpr Attempt kAttempts[] = {{0.5f, 0.5f, 0.35f, false},  {0.25f, 0.25f, 0.35f, false},
                                  {0.25f, 0.25f, 0.35f, true}, {0.0f, 0.1f, 0.35f, false},
-                                 {0.0f, 0.1f, 0.5f, false},   {0.0f, 0.1f, 0.5f, true},
+                                 {0.0f, 0.1f, 0.5f, true},    {0.0f, 0.1f, 0.5f, false},
                                  {-0.3f, 0.1f, 0.5f, false}};
-constexpr std::size_t kAnnularAttempts = 4;  // for a loop that may go round a tube: none caps it
+constexpr std::size_t kAnnularAttempts = 5;  // for a loop that may go round a tube: none caps it
 constexpr Attempt kBridgeRules{0.25f, 0.25f, 0.35f, false};
 constexpr std::size_t kMostCorners = 512;  // of a gap
 constexpr std::size_t kMostStarred = 16;   // corners of a gap that a vertex in its middle may close
 constexpr int kMostRounds = 16;            // of triangulation, while gaps want the same edges
 constexpr std::size_t kTaskCost = 200000;  // what a task takes, in the units of gap_cost
+constexpr float kAxisSteps = 4;            // along a gap's axis, as far as its corners are
 constexpr int kNewtonSteps = 6;
 
 enum class Closing : std::uint8_t { pending, triangulated, starred, open };
@@ -233,13 +234,8 @@ class Stitcher {
   bool close_by_star(std::uint32_t l, const GapRules& rules, const GapWork& work) {
     const std::size_t n = work.points.size();
     if (n > kMostStarred) return false;
-    Vec3 middle;
-    for (const Vec3& p : work.points) middle = middle + p;
-    middle = (1.0f / static_cast<float>(n)) * middle;
-    const float reach = norm(work.points[0] - middle);
-    const FieldSample sample = project_to_surface(field_, reach, kNewtonSteps, middle);
-    if (!sample.known) return false;
-    const Vec3 normal = normalised(-sample.gradient);
+    Vec3 middle, normal;
+    if (!find_middle(work, middle, normal)) return false;
     for (std::size_t i = 0; i < n; ++i) {
       const std::size_t j = (i + 1) % n;
       const Vec3 points[3] = {work.points[i], work.points[j], middle};
@@ -248,6 +244,36 @@ class Stitcher {
     }
     middles_[l] = middle;
     return true;
+  }
+
+  /// Where the gap's axis (through the mean of its corners, along the vector of its area) meets
+  /// the surface: over a vessel's end, too, that is its tip.
+  bool find_middle(const GapWork& work, Vec3& middle, Vec3& normal) const {
+    const std::size_t n = work.points.size();
+    Vec3 mean, axis;
+    for (const Vec3& p : work.points) mean = mean + p;
+    mean = (1.0f / static_cast<float>(n)) * mean;
+    float reach = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      const Vec3 to = work.points[i] - mean;
+      axis = axis + cross(to, work.points[(i + 1) % n] - mean);
+      reach = std::max(reach, norm(to));
+    }
+    axis = normalised(axis);
+    FieldSample sample = sample_field(field_, mean);
+    const bool inside = sample.value > 0;
+    const Vec3 step = ((inside ? 1.0f : -1.0f) * reach / kAxisSteps) * axis;
+    middle = mean;
+    for (int i = 0;
+         i < 2 * static_cast<int>(kAxisSteps) && sample.known && (sample.value > 0) == inside;
+         ++i) {
+      middle = middle + step;
+      sample = sample_field(field_, middle);
+    }
+    if (!sample.known || (sample.value > 0) == inside) return false;
+    sample = project_to_surface(field_, reach, kNewtonSteps, middle);
+    normal = normalised(-sample.gradient);
+    return sample.known;
   }
 
   /// Gives each chord to the first gap that wants it. \return the gaps that must be triangulated
@@ -301,7 +327,7 @@ class Stitcher {
       Patch patch;
       for (std::size_t i = starts[part]; i < starts[part + 1]; ++i) {
         load_patch(closed[i], patch);
-        if (closing_[closed[i]] == Closing::triangulated) refiner.run(patch);
+        refiner.run(patch);
         add_patch(loops_[closed[i]], patch, added[part]);
       }
     });
@@ -324,8 +350,11 @@ class Stitcher {
       patch.points.push_back(position(mesh_, v));
       patch.normals.push_back(rim_.normal(v));
     }
+    patch.rim = n;
     if (closing_[l] == Closing::starred) {
+      const FieldSample sample = sample_field(field_, middles_[l]);
       patch.points.push_back(middles_[l]);
+      patch.normals.push_back(normalised(-sample.gradient));
       for (std::uint32_t i = 0; i < n; ++i)
         patch.triangles.insert(patch.triangles.end(), {i, (i + 1) % n, n});
     } else {
