@@ -25,7 +25,7 @@ constexpr int kNewtonSteps = 6;
 }  // namespace
 
 GapClosing GapCloser::run(std::span<const std::uint32_t> loop, bool annular,
-                          std::span<const TakenEdge> taken) {
+                          std::span<const TakenChord> taken) {
   // One triangle that has its other side in the surface already.
   if (loop.size() == 3 && rim_.across(loop[0], loop[1]) == loop[2]) return {};
   load(loop);
@@ -67,7 +67,7 @@ Vec3 GapCloser::normal_across(std::uint32_t a, std::uint32_t b) const {
   return normalised(cross(position(mesh_, c) - at, position(mesh_, b) - at));
 }
 
-void GapCloser::find_chords(std::span<const std::uint32_t> loop, std::span<const TakenEdge> taken,
+void GapCloser::find_chords(std::span<const std::uint32_t> loop, std::span<const TakenChord> taken,
                             const GapRules& rules) {
   const std::size_t n = loop.size();
   for (std::size_t i = 0; i < n; ++i)
@@ -75,10 +75,8 @@ void GapCloser::find_chords(std::span<const std::uint32_t> loop, std::span<const
       chords_[n * i + j] = chords_[n * j + i] =
           j - i + 1 < n && loop[i] != loop[j] && !rim_.has_edge(loop[i], loop[j]) &&
           chord_follows_surface(rules, points_[i], points_[j]);
-  for (const TakenEdge& edge : taken)
-    for (std::size_t i = 0; i < n; ++i)
-      for (std::size_t j = 0; j < n; ++j)
-        if (loop[i] == edge.a && loop[j] == edge.b) chords_[n * i + j] = chords_[n * j + i] = 0;
+  for (const TakenChord& chord : taken)
+    chords_[n * chord.i + chord.j] = chords_[n * chord.j + chord.i] = 0;
 }
 
 bool GapCloser::close_by_star(const GapRules& rules, Vec3& middle) const {

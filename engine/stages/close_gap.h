@@ -17,9 +17,10 @@ namespace vasamesh {
 /// Gaps of more corners are not tried.
 inline constexpr std::size_t kMostGapCorners = 512;
 
-/// An edge that a gap may not have, though the surface does not have it yet.
-struct TakenEdge {
-  std::uint32_t a, b;
+/// Corners of a gap that may not be joined, since another gap, or another place of this one, has
+/// that edge.
+struct TakenChord {
+  std::uint16_t i, j;
 };
 
 struct GapClosing {
@@ -46,16 +47,16 @@ class GapCloser {
   /// \param loop     3 to kMostGapCorners vertices of the rim.
   /// \param annular  the loop turns so little that it may go round a tube: what could cap it is
   ///                 not tried.
-  /// \param taken    edges that other gaps have.
+  /// \param taken    chords that it may not have.
   GapClosing run(std::span<const std::uint32_t> loop, bool annular,
-                 std::span<const TakenEdge> taken);
+                 std::span<const TakenChord> taken);
 
   /// When triangulated: corners of the loop's size - 2 triangles (GapTriangulator).
   std::span<const std::uint16_t> triangles() const { return triangulator_.triangles(); }
 
  private:
   void load(std::span<const std::uint32_t> loop);
-  void find_chords(std::span<const std::uint32_t> loop, std::span<const TakenEdge> taken,
+  void find_chords(std::span<const std::uint32_t> loop, std::span<const TakenChord> taken,
                    const GapRules& rules);
   Vec3 normal_across(std::uint32_t a, std::uint32_t b) const;
   bool close_by_star(const GapRules& rules, Vec3& middle) const;

@@ -26,15 +26,17 @@ struct Claim {
   std::uint32_t a, b;      ///< a < b
   std::uint32_t repeated;  ///< 1 where it was triangulated again: what others have stays theirs
   std::uint32_t loop;
+  TakenChord chord;  ///< its corners
   bool operator<(const Claim& c) const {
-    return std::tie(a, b, repeated, loop) < std::tie(c.a, c.b, c.repeated, c.loop);
+    return std::tie(a, b, repeated, loop, chord.i, chord.j) <
+           std::tie(c.a, c.b, c.repeated, c.loop, c.chord.i, c.chord.j);
   }
 };
 
-/// An edge that a gap lost to another.
+/// A chord that a gap lost to another, or to another place of its own.
 struct Lost {
   std::uint32_t loop;
-  TakenEdge edge;
+  TakenChord chord;
 };
 
 /// What one task adds to the mesh; vertices of its own count on from the mesh's.
@@ -120,13 +122,13 @@ class Stitcher {
     const std::vector<std::size_t> starts = parts_of(gaps);
     backend_.run(starts.size() - 1, [&](std::size_t part) {
       GapCloser closer(field_, mesh_, rim_, mode_);
-      std::vector<TakenEdge> taken;
+      std::vector<TakenChord> taken;
       for (std::size_t i = starts[part]; i < starts[part + 1]; ++i) {
         const std::uint32_t l = gaps[i];
         if (loops().size(l) > kMostGapCorners) continue;
         taken.clear();
         for (const Lost& lost : lost_)
-          if (lost.loop == l) taken.push_back(lost.edge);
+          if (lost.loop == l) taken.push_back(lost.chord);
         closings_[l] = closer.run(loops()[l], bridged_.annular[l] != 0, taken);
         if (closings_[l].kind != GapClosing::triangulated) continue;
         const auto found = closer.triangles();
@@ -146,7 +148,7 @@ class Stitcher {
     std::vector<std::uint32_t> losers;
     for (std::size_t i = 1; i < claims.size(); ++i) {
       if (claims[i].a != claims[i - 1].a || claims[i].b != claims[i - 1].b) continue;
-      lost_.push_back({claims[i].loop, {claims[i].a, claims[i].b}});
+      lost_.push_back({claims[i].loop, claims[i].chord});
       losers.push_back(claims[i].loop);
     }
     std::sort(losers.begin(), losers.end());
@@ -169,7 +171,7 @@ class Stitcher {
       if (t[2] - t[0] + std::size_t{1} == n) continue;
       const std::uint32_t a = loop[t[0]], b = loop[t[2]];
       if (shared_[a] > 1 && shared_[b] > 1)
-        claims.push_back({std::min(a, b), std::max(a, b), lost_count_[l], l});
+        claims.push_back({std::min(a, b), std::max(a, b), lost_count_[l], l, {t[0], t[2]}});
     }
   }
 
