@@ -384,6 +384,19 @@ TEST(Stitch, AHexagonGetsItsMiddle) {
   EXPECT_GT(measure_quality(backend(), mesh).least_angle.minimum, 45);
 }
 
+TEST(Stitch, AVesselsEndGetsItsTip) {
+  // Half of a ball of radius 1: its rim hardly turns, as if it went round a tube.
+  Scene end{sphere_field(12, {6, 6, 6}, 1), moved(sphere(1, 1), {6, 6, 6}), 1};
+  TriangleMesh mesh = cut(end.mesh, [](const Vec3& p) { return p.y > 6; });
+  const GapLoops loops = find_gap_loops(backend(), mesh);
+  ASSERT_EQ(loops.count(), 1u);
+  EXPECT_LT(turning_of(end.field, mesh, loops[0]), kLeastTurning);
+  const StitchReport report = stitch(end, mesh);
+  EXPECT_TRUE(report.open.empty());
+  EXPECT_EQ(report.starred, 1);
+  expect_good_surface(mesh, {1, 0, 0});
+}
+
 // --- What cannot be closed.
 // -----------------------------------------------------------------------
 
@@ -407,6 +420,28 @@ TEST(Stitch, ATubesEndIsNotCapped) {
   EXPECT_EQ(report.open.size(), 2u);
   EXPECT_EQ(mesh.triangles, before.triangles);
   EXPECT_EQ(mesh.vertices, before.vertices);
+}
+
+TEST(Stitch, AThinTubesEndIsNotCapped) {
+  // Five edges round the tube.
+  Scene thin{torus_field(20, {10, 10, 10}, 6, 0.8f), moved(torus(6, 0.8f, 40, 5), {10, 10, 10}), 1};
+  for (const StitchMode mode : {StitchMode::exact, StitchMode::paper}) {
+    TriangleMesh mesh = cut(thin.mesh, [](const Vec3& p) { return p.y > 10; });
+    const StitchReport report = stitch(thin, mesh, mode);
+    EXPECT_EQ(report.loops, 2);
+    EXPECT_EQ(report.open.size(), 2u);
+    EXPECT_EQ(mesh.triangle_count(), report.first_triangle);
+  }
+}
+
+TEST(Stitch, AThinTubeIsJoined) {
+  Scene thin{torus_field(20, {10, 10, 10}, 6, 0.8f), moved(torus(6, 0.8f, 40, 5), {10, 10, 10}), 1};
+  TriangleMesh mesh =
+      cut(thin.mesh, [](const Vec3& p) { return p.x > 10 && std::abs(p.y - 10) < 1; });
+  const StitchReport report = stitch(thin, mesh);
+  EXPECT_EQ(report.bridges, 1);
+  EXPECT_TRUE(report.open.empty());
+  expect_good_surface(mesh, {1, 1, 0});
 }
 
 TEST(Stitch, OutsideTheFieldNothingIsClosed) {

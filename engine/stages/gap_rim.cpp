@@ -11,6 +11,7 @@ namespace {
 
 constexpr std::size_t kTriangleChunk = 16384;
 constexpr std::size_t kVertexChunk = 1024;
+constexpr std::size_t kLoopChunk = 256;
 
 }  // namespace
 
@@ -18,7 +19,8 @@ GapRim::GapRim(Backend& backend, const FieldView& field, const TriangleMesh& mes
                const GapLoops& loops) {
   number_vertices(mesh, loops);
   collect_edges(backend, mesh);
-  find_normals(backend, field, mesh, loops);
+  check_loops(backend, loops);
+  find_normals(backend, field, mesh);
 }
 
 void GapRim::number_vertices(const TriangleMesh& mesh, const GapLoops& loops) {
@@ -60,29 +62,38 @@ void GapRim::collect_edges(Backend& backend, const TriangleMesh& mesh) {
   first_.pop_back();
 }
 
-void GapRim::find_normals(Backend& backend, const FieldView& field, const TriangleMesh& mesh,
-                          const GapLoops& loops) {
-  normals_.assign(vertex_.size(), Vec3{});
-  for (std::size_t l = 0; l < loops.count(); ++l) {
-    const auto loop = loops[l];
-    for (std::size_t i = 0; i < loop.size(); ++i) {
-      const std::uint32_t a = loop[i], b = loop[(i + 1) % loop.size()], c = across(a, b);
-      if (c == kNoVertex || across(b, a) != kNoVertex)
-        throw Error(ErrorCode::internal, "gaps: an edge of a loop is not on the boundary");
-      const Vec3 at = position(mesh, a);
-      const Vec3 normal = cross(position(mesh, c) - at, position(mesh, b) - at);
-      normals_[slot_[a]] = normals_[slot_[a]] + normal;
-      normals_[slot_[b]] = normals_[slot_[b]] + normal;
-    }
-  }
+void GapRim::check_loops(Backend& backend, const GapLoops& loops) const {
+  backend.run((loops.count() + kLoopChunk - 1) / kLoopChunk, [&](std::size_t chunk) {
+    const std::size_t end = std::min((chunk + 1) * kLoopChunk, loops.count());
+    for (std::size_t l = chunk * kLoopChunk; l < end; ++l)
+      for (std::size_t i = 0; i < loops.size(l); ++i) {
+        const std::uint32_t a = loops[l][i], b = loops[l][(i + 1) % loops.size(l)];
+        if (across(a, b) == kNoVertex || across(b, a) != kNoVertex)
+          throw Error(ErrorCode::internal, "gaps: an edge of a loop is not on the boundary");
+      }
+  });
+}
+
+void GapRim::find_normals(Backend& backend, const FieldView& field, const TriangleMesh& mesh) {
+  normals_.resize(vertex_.size());
   backend.run((vertex_.size() + kVertexChunk - 1) / kVertexChunk, [&](std::size_t chunk) {
     const std::size_t end = std::min((chunk + 1) * kVertexChunk, vertex_.size());
     for (std::size_t s = chunk * kVertexChunk; s < end; ++s) {
       const FieldSample sample = sample_field(field, position(mesh, vertex_[s]));
       const bool usable = sample.known && squared_norm(sample.gradient) > 0;
-      normals_[s] = normalised(usable ? -sample.gradient : normals_[s]);
+      normals_[s] = normalised(usable ? -sample.gradient : normal_of_triangles(mesh, s));
     }
   });
+}
+
+/// The sum over the triangles that have two rim vertices, one of them this.
+Vec3 GapRim::normal_of_triangles(const TriangleMesh& mesh, std::size_t slot) const {
+  const Vec3 at = position(mesh, vertex_[slot]);
+  Vec3 sum;
+  for (std::uint32_t i = first_[slot]; i < first_[slot + 1]; ++i)
+    if (spokes_[i].apex != kNoVertex)
+      sum = sum + cross(position(mesh, spokes_[i].apex) - at, position(mesh, spokes_[i].to) - at);
+  return sum;
 }
 
 bool GapRim::has_edge(std::uint32_t a, std::uint32_t b) const {

@@ -18,7 +18,7 @@ class GapRim {
  public:
   static constexpr std::uint32_t kNoVertex = 0xffffffffu;
 
-  /// Normals come from the field, and from the triangles at a loop's edges where it is not known.
+  /// Normals come from the field, and from the triangles along the loops where it is not known.
   /// \throws Error internal, when an edge of a loop is not on the mesh's boundary.
   GapRim(Backend& backend, const FieldView& field, const TriangleMesh& mesh, const GapLoops& loops);
 
@@ -47,8 +47,9 @@ class GapRim {
 
   void number_vertices(const TriangleMesh& mesh, const GapLoops& loops);
   void collect_edges(Backend& backend, const TriangleMesh& mesh);
-  void find_normals(Backend& backend, const FieldView& field, const TriangleMesh& mesh,
-                    const GapLoops& loops);
+  void check_loops(Backend& backend, const GapLoops& loops) const;
+  void find_normals(Backend& backend, const FieldView& field, const TriangleMesh& mesh);
+  Vec3 normal_of_triangles(const TriangleMesh& mesh, std::size_t slot) const;
 
   std::vector<std::uint32_t> slot_;    ///< a vertex of the mesh: its place here, or kNoVertex
   std::vector<std::uint32_t> vertex_;  ///< a slot's vertex

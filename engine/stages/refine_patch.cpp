@@ -18,7 +18,7 @@ constexpr int kNewtonSteps = 6;
 
 void PatchRefiner::run(Patch& patch) {
   patch_ = &patch;
-  rim_ = patch.points.size();
+  rim_ = patch.rim;
   if (patch.triangles.size() < 6) return;
   link_triangles();
   const std::size_t most = rim_ + rim_ * rim_ / 4 + 16;

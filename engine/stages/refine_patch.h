@@ -17,11 +17,12 @@
 
 namespace vasamesh {
 
-/// A patch by itself; triangles are indices of its points. The rim's corners come first.
+/// A patch by itself; triangles are indices of its points.
 struct Patch {
-  std::vector<Vec3> points;
+  std::vector<Vec3> points;   ///< the corners of the rim first
   std::vector<Vec3> normals;  ///< the surface's outward unit normals
   std::vector<std::uint32_t> triangles;
+  std::size_t rim = 0;  ///< how many corners that has
 };
 
 /// Workspace; reused from patch to patch.
@@ -33,7 +34,7 @@ class PatchRefiner {
   PatchRefiner(const FieldView& field, const SizeView& sizes) : field_(field), sizes_(sizes) {}
 
   /// Adds vertices where the sizes ask for them, and where one makes the worst triangle better.
-  /// `patch` is a disc whose first n points are its boundary, with n - 2 triangles.
+  /// `patch` is a disc; its points beyond the rim may move.
   void run(Patch& patch);
 
  private:

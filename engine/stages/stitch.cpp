@@ -1,10 +1,11 @@
 #include "stages/stitch.h"
 
 #include <algorithm>
-#include <cmath>
+#include <span>
 #include <tuple>
 
 #include "stages/bridge.h"
+#include "stages/close_gap.h"
 #include "stages/gap_rim.h"
 #include "stages/gap_rules.h"
 #include "stages/refine_patch.h"
@@ -13,48 +14,29 @@ namespace vasamesh {
 
 namespace {
 
-// What is tried for a gap, in this order.
-struct Attempt {
-  float least_cosine, middle_cosine, reach;  // as in GapRules
-  bool star;                                 // a vertex in the middle instead of chords
-};
-constexpr Attempt kAttempts[] = {{0.5f, 0.5f, 0.35f, false},  {0.25f, 0.25f, 0.35f, false},
-                                 {0.25f, 0.25f, 0.35f, true}, {0.0f, 0.1f, 0.35f, false},
-                                 {0.0f, 0.1f, 0.5f, false},   {0.0f, 0.1f, 0.5f, true},
-                                 {-0.3f, 0.1f, 0.5f, false}};
-constexpr std::size_t kAnnularAttempts = 4;  // for a loop that may go round a tube: none caps it
-constexpr Attempt kBridgeRules{0.25f, 0.25f, 0.35f, false};
-constexpr std::size_t kMostCorners = 512;  // of a gap
-constexpr std::size_t kMostStarred = 16;   // corners of a gap that a vertex in its middle may close
+constexpr float kBridgeCosine = 0.25f;     // of the triangles of bridges, as in GapRules
 constexpr int kMostRounds = 16;            // of triangulation, while gaps want the same edges
 constexpr std::size_t kTaskCost = 200000;  // what a task takes, in the units of gap_cost
-constexpr int kNewtonSteps = 6;
-
-enum class Closing : std::uint8_t { pending, triangulated, starred, open };
 
 /// About how many steps a gap of n corners takes.
 std::size_t gap_cost(std::size_t n) { return n * n * n / 6 + 20 * n * n + 50 * n; }
 
-/// A chord that another gap has.
-struct Taken {
-  std::uint32_t loop, a, b;  ///< a < b
-};
-
 /// A chord that a gap wants: the first in order gets it.
 struct Claim {
   std::uint32_t a, b;      ///< a < b
-  std::uint32_t repeated;  ///< 1 in the rounds after the first: what was given stays
+  std::uint32_t repeated;  ///< 1 where it was triangulated again: what others have stays theirs
   std::uint32_t loop;
+  TakenChord chord;  ///< its corners
   bool operator<(const Claim& c) const {
-    return std::tie(a, b, repeated, loop) < std::tie(c.a, c.b, c.repeated, c.loop);
+    return std::tie(a, b, repeated, loop, chord.i, chord.j) <
+           std::tie(c.a, c.b, c.repeated, c.loop, c.chord.i, c.chord.j);
   }
 };
 
-/// Workspace of one task: one gap at a time, as the triangulation wants it.
-struct GapWork {
-  std::vector<Vec3> points, normals, across;
-  std::vector<std::uint8_t> chords;
-  GapTriangulator triangulator;
+/// A chord that a gap lost to another, or to another place of its own.
+struct Lost {
+  std::uint32_t loop;
+  TakenChord chord;
 };
 
 /// What one task adds to the mesh; vertices of its own count on from the mesh's.
@@ -76,61 +58,48 @@ class Stitcher {
     report_.loops = static_cast<std::int64_t>(loops.count());
     report_.first_vertex = mesh.vertex_count();
     report_.first_triangle = mesh.triangle_count();
-    BridgedLoops bridged = bridge_loops(backend, mesh, rules(kBridgeRules), loops, rim_);
-    report_.bridges = bridged.bridges;
-    report_.splits = bridged.splits;
-    loops_ = std::move(bridged.loops);
-    annular_ = std::move(bridged.annular);
-    mesh.triangles.insert(mesh.triangles.end(), bridged.triangles.begin(), bridged.triangles.end());
+    bridged_ = bridge_loops(backend, mesh, {field, kBridgeCosine, kBridgeCosine}, loops, rim_);
+    report_.bridges = bridged_.bridges;
+    report_.splits = bridged_.splits;
+    mesh.triangles.insert(mesh.triangles.end(), bridged_.triangles.begin(),
+                          bridged_.triangles.end());
   }
 
   StitchReport run() {
-    prepare();
+    const GapLoops& gaps = loops();
+    closings_.resize(gaps.count());
+    lost_count_.assign(gaps.count(), 0);
+    triangles_.resize(place_of(gaps.count()));
+    count_corners();
     std::vector<std::uint32_t> pending = by_size();
-    for (int round = 0; !pending.empty(); ++round) {
+    for (int round = 1; !pending.empty(); ++round) {
       triangulate(pending);
-      pending = commit(round + 1 == kMostRounds);
+      pending = settle_claims(round == kMostRounds);
       report_.repeated += static_cast<std::int64_t>(pending.size());
     }
     append_patches();
-    for (std::size_t l = 0; l < loops_.count(); ++l) {
-      report_.relaxed += relaxed_[l];
-      report_.starred += closing_[l] == Closing::starred;
-      if (closing_[l] == Closing::open)
-        report_.open.push_back({{loops_[l].begin(), loops_[l].end()}, failure_[l]});
-    }
+    fill_report();
     return std::move(report_);
   }
 
  private:
-  GapRules rules(const Attempt& attempt) const {
-    return {field_, attempt.least_cosine, attempt.middle_cosine, attempt.reach};
-  }
+  const GapLoops& loops() const { return bridged_.loops; }
 
   /// Where a loop's triangles are kept: n - 2 a loop, so that the places follow from the sizes.
-  std::size_t place_of(std::size_t loop) const {
-    return 3 * (std::size_t{loops_.first[loop]} - 2 * loop);
-  }
+  std::size_t place_of(std::size_t loop) const { return 3 * (loops().first[loop] - 2 * loop); }
 
-  void prepare() {
-    const std::size_t count = loops_.count();
-    closing_.assign(count, Closing::pending);
-    failure_.assign(count, GapFailure::no_triangulation);
-    relaxed_.assign(count, 0);
-    repeated_.assign(count, 0);
-    middles_.assign(count, Vec3{});
-    triangles_.resize(count == 0 ? 0 : place_of(count));
+  void count_corners() {
     shared_.assign(mesh_.vertex_count(), 0);
-    for (std::uint32_t v : loops_.vertex)
+    for (std::uint32_t v : loops().vertex)
       shared_[v] = static_cast<std::uint8_t>(std::min(shared_[v] + 1, 2));
   }
 
   /// All loops, the largest first, so that the long ones do not come last.
   std::vector<std::uint32_t> by_size() const {
-    std::vector<std::uint32_t> order(loops_.count());
+    std::vector<std::uint32_t> order(loops().count());
     for (std::uint32_t l = 0; l < order.size(); ++l) order[l] = l;
     std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-      return loops_.size(a) > loops_.size(b);
+      return loops().size(a) > loops().size(b);
     });
     return order;
   }
@@ -140,7 +109,7 @@ class Stitcher {
     std::vector<std::size_t> starts{0};
     std::size_t cost = 0;
     for (std::size_t i = 0; i < gaps.size(); ++i) {
-      cost += gap_cost(loops_.size(gaps[i]));
+      cost += gap_cost(loops().size(gaps[i]));
       if (cost < kTaskCost && i + 1 < gaps.size()) continue;
       starts.push_back(i + 1);
       cost = 0;
@@ -148,128 +117,45 @@ class Stitcher {
     return starts;
   }
 
+  /// Closes each of the gaps by itself.
   void triangulate(const std::vector<std::uint32_t>& gaps) {
     const std::vector<std::size_t> starts = parts_of(gaps);
     backend_.run(starts.size() - 1, [&](std::size_t part) {
-      GapWork work;
-      for (std::size_t i = starts[part]; i < starts[part + 1]; ++i) close(gaps[i], work);
+      GapCloser closer(field_, mesh_, rim_, mode_);
+      std::vector<TakenChord> taken;
+      for (std::size_t i = starts[part]; i < starts[part + 1]; ++i) {
+        const std::uint32_t l = gaps[i];
+        if (loops().size(l) > kMostGapCorners) continue;
+        taken.clear();
+        for (const Lost& lost : lost_)
+          if (lost.loop == l) taken.push_back(lost.chord);
+        closings_[l] = closer.run(loops()[l], bridged_.annular[l] != 0, taken);
+        if (closings_[l].kind != GapClosing::triangulated) continue;
+        const auto found = closer.triangles();
+        std::copy(found.begin(), found.end(), triangles_.begin() + place_of(l));
+      }
     });
   }
 
-  /// Finds the triangles of one gap.
-  void close(std::uint32_t l, GapWork& work) {
-    const auto loop = loops_[l];
-    closing_[l] = Closing::open;
-    if (loop.size() > kMostCorners) {
-      failure_[l] = GapFailure::too_long;
-      return;
-    }
-    // One triangle that has its other side in the surface already.
-    if (loop.size() == 3 && rim_.across(loop[0], loop[1]) == loop[2]) return;
-    load(l, work);
-    const std::span attempts(kAttempts, annular_[l] ? kAnnularAttempts : std::size(kAttempts));
-    float reach = 0;
-    for (const Attempt& attempt : attempts) {
-      if (attempt.reach != reach) find_chords(l, rules(attempt), work);
-      reach = attempt.reach;
-      if (!(attempt.star ? close_by_star(l, rules(attempt), work)
-                         : close_by_chords(l, rules(attempt), work)))
-        continue;
-      closing_[l] = attempt.star ? Closing::starred : Closing::triangulated;
-      relaxed_[l] = &attempt != kAttempts;
-      return;
-    }
-  }
-
-  void load(std::uint32_t l, GapWork& work) const {
-    const auto loop = loops_[l];
-    const std::size_t n = loop.size();
-    work.points.resize(n);
-    work.normals.resize(n);
-    work.across.resize(n);
-    work.chords.resize(n * n);
-    for (std::size_t i = 0; i < n; ++i) {
-      work.points[i] = position(mesh_, loop[i]);
-      work.normals[i] = rim_.normal(loop[i]);
-      if (mode_ == StitchMode::paper) work.across[i] = normal_across(loop[i], loop[(i + 1) % n]);
-    }
-  }
-
-  void find_chords(std::uint32_t l, const GapRules& rules, GapWork& work) const {
-    const auto loop = loops_[l];
-    const std::size_t n = loop.size();
-    for (std::size_t i = 0; i < n; ++i)
-      for (std::size_t j = i + 2; j < n; ++j)
-        work.chords[n * i + j] = work.chords[n * j + i] =
-            j - i + 1 < n && is_free(loop[i], loop[j]) &&
-            chord_follows_surface(rules, work.points[i], work.points[j]);
-    for (const Taken& taken : taken_) {
-      if (taken.loop != l) continue;
-      for (std::size_t i = 0; i < n; ++i)
-        for (std::size_t j = 0; j < n; ++j)
-          if (loop[i] == taken.a && loop[j] == taken.b)
-            work.chords[n * i + j] = work.chords[n * j + i] = 0;
-    }
-  }
-
-  bool is_free(std::uint32_t a, std::uint32_t b) const { return a != b && !rim_.has_edge(a, b); }
-
-  Vec3 normal_across(std::uint32_t a, std::uint32_t b) const {
-    const std::uint32_t c = rim_.across(a, b);
-    if (c == GapRim::kNoVertex) return {};
-    const Vec3 at = position(mesh_, a);
-    return normalised(cross(position(mesh_, c) - at, position(mesh_, b) - at));
-  }
-
-  bool close_by_chords(std::uint32_t l, const GapRules& rules, GapWork& work) {
-    const GapPolygon polygon{work.points, work.normals, work.across, work.chords};
-    if (!work.triangulator.run(polygon, rules, mode_)) return false;
-    const auto found = work.triangulator.triangles();
-    std::copy(found.begin(), found.end(), triangles_.begin() + place_of(l));
-    return true;
-  }
-
-  /// One vertex in the middle of the gap, joined to every edge.
-  bool close_by_star(std::uint32_t l, const GapRules& rules, const GapWork& work) {
-    const std::size_t n = work.points.size();
-    if (n > kMostStarred) return false;
-    Vec3 middle;
-    for (const Vec3& p : work.points) middle = middle + p;
-    middle = (1.0f / static_cast<float>(n)) * middle;
-    const float reach = norm(work.points[0] - middle);
-    const FieldSample sample = project_to_surface(field_, reach, kNewtonSteps, middle);
-    if (!sample.known) return false;
-    const Vec3 normal = normalised(-sample.gradient);
-    for (std::size_t i = 0; i < n; ++i) {
-      const std::size_t j = (i + 1) % n;
-      const Vec3 points[3] = {work.points[i], work.points[j], middle};
-      const Vec3 normals[3] = {work.normals[i], work.normals[j], normal};
-      if (!triangle_follows_surface(rules, points, normals)) return false;
-    }
-    middles_[l] = middle;
-    return true;
-  }
-
-  /// Gives each chord to the first gap that wants it. \return the gaps that must be triangulated
-  /// again; none, and those open, when it is the last round.
-  std::vector<std::uint32_t> commit(bool last) {
+  /// Gives each chord to the first gap that wants it, those of earlier rounds before the others.
+  /// \return the gaps that lost one and must be triangulated again; after the last round they
+  /// stay open instead.
+  std::vector<std::uint32_t> settle_claims(bool last) {
     std::vector<Claim> claims;
-    for (std::uint32_t l = 0; l < loops_.count(); ++l)
-      if (closing_[l] == Closing::triangulated) claim_chords(l, claims);
+    for (std::uint32_t l = 0; l < loops().count(); ++l)
+      if (closings_[l].kind == GapClosing::triangulated) claim_chords(l, claims);
     std::sort(claims.begin(), claims.end());
     std::vector<std::uint32_t> losers;
     for (std::size_t i = 1; i < claims.size(); ++i) {
       if (claims[i].a != claims[i - 1].a || claims[i].b != claims[i - 1].b) continue;
-      taken_.push_back({claims[i].loop, claims[i].a, claims[i].b});
+      lost_.push_back({claims[i].loop, claims[i].chord});
       losers.push_back(claims[i].loop);
     }
     std::sort(losers.begin(), losers.end());
     losers.erase(std::unique(losers.begin(), losers.end()), losers.end());
-    repeated_.assign(loops_.count(), 0);
     for (std::uint32_t l : losers) {
-      closing_[l] = last ? Closing::open : Closing::pending;
-      failure_[l] = GapFailure::edge_taken;
-      repeated_[l] = 1;
+      ++lost_count_[l];
+      closings_[l] = {};
     }
     if (last) losers.clear();
     return losers;
@@ -277,23 +163,23 @@ class Stitcher {
 
   /// Chords between vertices that lie on two gaps, or twice on one: only they can be wanted twice.
   void claim_chords(std::uint32_t l, std::vector<Claim>& claims) const {
-    const auto loop = loops_[l];
+    const auto loop = loops()[l];
     const std::size_t n = loop.size();
+    // Triangles are (i, k, j), i < k < j, and each chord is the edge i - j of one of them.
     const std::uint16_t* t = triangles_.data() + place_of(l);
-    for (std::size_t e = 0; e < 3 * (n - 2); ++e) {
-      // Corners ascend in a triangle: its last edge leads back. A chord is the last edge of one
-      // of its two triangles.
-      if (e % 3 != 2 || t[e] - t[e - 2] + std::size_t{1} == n) continue;
-      const std::uint32_t a = loop[t[e - 2]], b = loop[t[e]];
+    for (const std::uint16_t* end = t + 3 * (n - 2); t != end; t += 3) {
+      if (t[2] - t[0] + std::size_t{1} == n) continue;
+      const std::uint32_t a = loop[t[0]], b = loop[t[2]];
       if (shared_[a] > 1 && shared_[b] > 1)
-        claims.push_back({std::min(a, b), std::max(a, b), repeated_[l], l});
+        claims.push_back({std::min(a, b), std::max(a, b), lost_count_[l], l, {t[0], t[2]}});
     }
   }
 
+  /// Refines the patches and adds them to the mesh, in the order of the loops.
   void append_patches() {
     std::vector<std::uint32_t> closed;
-    for (std::uint32_t l = 0; l < loops_.count(); ++l)
-      if (closing_[l] != Closing::open) closed.push_back(l);
+    for (std::uint32_t l = 0; l < loops().count(); ++l)
+      if (closings_[l].kind != GapClosing::open) closed.push_back(l);
     const std::vector<std::size_t> starts = parts_of(closed);
     std::vector<Added> added(starts.size() - 1);
     backend_.run(added.size(), [&](std::size_t part) {
@@ -301,8 +187,8 @@ class Stitcher {
       Patch patch;
       for (std::size_t i = starts[part]; i < starts[part + 1]; ++i) {
         load_patch(closed[i], patch);
-        if (closing_[closed[i]] == Closing::triangulated) refiner.run(patch);
-        add_patch(loops_[closed[i]], patch, added[part]);
+        refiner.run(patch);
+        add_patch(loops()[closed[i]], patch, added[part]);
       }
     });
     const auto base = static_cast<std::uint32_t>(mesh_.vertex_count());
@@ -315,17 +201,19 @@ class Stitcher {
   }
 
   void load_patch(std::uint32_t l, Patch& patch) const {
-    const auto loop = loops_[l];
+    const auto loop = loops()[l];
     const auto n = static_cast<std::uint32_t>(loop.size());
     patch.points.clear();
     patch.normals.clear();
     patch.triangles.clear();
+    patch.rim = n;
     for (std::uint32_t v : loop) {
       patch.points.push_back(position(mesh_, v));
       patch.normals.push_back(rim_.normal(v));
     }
-    if (closing_[l] == Closing::starred) {
-      patch.points.push_back(middles_[l]);
+    if (closings_[l].kind == GapClosing::starred) {
+      patch.points.push_back(closings_[l].middle);
+      patch.normals.push_back(normalised(-sample_field(field_, closings_[l].middle).gradient));
       for (std::uint32_t i = 0; i < n; ++i)
         patch.triangles.insert(patch.triangles.end(), {i, (i + 1) % n, n});
     } else {
@@ -342,23 +230,31 @@ class Stitcher {
       added.triangles.push_back(v < n ? loop[v] : static_cast<std::uint32_t>(first + (v - n)));
   }
 
+  void fill_report() {
+    for (std::size_t l = 0; l < loops().count(); ++l) {
+      const GapClosing& closing = closings_[l];
+      report_.relaxed += closing.relaxed;
+      report_.starred += closing.kind == GapClosing::starred;
+      if (closing.kind != GapClosing::open) continue;
+      const GapFailure reason = loops().size(l) > kMostGapCorners ? GapFailure::too_long
+                                : lost_count_[l] > 0              ? GapFailure::edge_taken
+                                                                  : GapFailure::no_triangulation;
+      report_.open.push_back({{loops()[l].begin(), loops()[l].end()}, reason});
+    }
+  }
+
   Backend& backend_;
   const FieldView field_;
   const SizeView sizes_;
   const StitchMode mode_;
   TriangleMesh& mesh_;
   GapRim rim_;
-  GapLoops loops_;
-  // A loop each:
-  std::vector<Closing> closing_;
-  std::vector<GapFailure> failure_;  ///< says something where the gap is open
-  std::vector<std::uint8_t> annular_;
-  std::vector<std::uint8_t> relaxed_;
-  std::vector<std::uint8_t> repeated_;
-  std::vector<Vec3> middles_;  ///< of starred gaps
-  std::vector<std::uint16_t> triangles_;
-  std::vector<std::uint8_t> shared_;  ///< a vertex: corners of loops there, at most 2
-  std::vector<Taken> taken_;
+  BridgedLoops bridged_;
+  std::vector<GapClosing> closings_;       ///< a loop
+  std::vector<std::uint32_t> lost_count_;  ///< a loop: rounds in which it lost an edge
+  std::vector<std::uint16_t> triangles_;   ///< corners of the loops
+  std::vector<std::uint8_t> shared_;       ///< a vertex: corners of loops there, at most 2
+  std::vector<Lost> lost_;
   StitchReport report_;
 };
 

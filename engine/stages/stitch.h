@@ -21,7 +21,7 @@ namespace vasamesh {
 
 /// Why a gap stayed open.
 enum class GapFailure {
-  no_triangulation,  ///< none follows the surface, however much the rules were relaxed
+  no_triangulation,  ///< nothing that was tried follows the surface
   edge_taken,        ///< other gaps have every edge that it could be closed by
   too_long           ///< more corners than the triangulation takes, and no chord splits it
 };
@@ -48,11 +48,13 @@ struct StitchReport {
 /// lengths. New vertices and triangles go to the end of the mesh; what was there stays. The same
 /// bytes at any number of threads.
 ///
-/// No edge gets more than two triangles, no triangle turns more than a right angle from the
-/// surface's normal at its corners, and no chord leaves the surface. Gaps that cannot be closed so
-/// are reported, and stay open.
+/// No edge gets more than two triangles. Triangles keep to within 60 degrees of the surface's
+/// normals and chords to the surface, as far as that closes the gap, then farther
+/// (close_gap.h). Gaps that cannot be closed so are reported, and stay open: as they were, or with
+/// the bridge or chord that made them one side of a whole.
 /// \param loops  the boundary's loops, as find_gap_loops gives them; loops of two corners are
 ///               passed over, since their edges are one.
+/// \pre the field lies in the host's memory.
 /// \throws Error internal, when an edge of a loop is not on the boundary.
 StitchReport stitch_gaps(Backend& backend, const FieldView& field, const SizeView& sizes,
                          StitchMode mode, const GapLoops& loops, TriangleMesh& mesh);
