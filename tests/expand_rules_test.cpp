@@ -55,9 +55,11 @@ class ExpandRules : public ::testing::Test {
                                       front_.at(front_.previous[c]), front_.at(front_.next[c]));
     EdgeGrid grid(plane().view());
     grid.build(backend(), front_);
+    VertexGrid vertices(plane().view());
+    vertices.update(front_);
     ProposalScratch scratch;
     front_.wide[corner] = wide_;
-    return propose(plane().view(), sizes(), front_, grid, limits,
+    return propose(plane().view(), sizes(), front_, grid, vertices, limits,
                    claimed_cells(plane().view(), front_, corner), corner, scratch);
   }
 

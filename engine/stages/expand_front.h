@@ -29,6 +29,7 @@ enum CornerState : std::uint8_t {
 struct Front {
   std::vector<Vec3> position, normal;    ///< a vertex; normals point outwards
   std::vector<float> size;               ///< a vertex: edge length asked for
+  std::vector<std::uint8_t> corners;     ///< a vertex: how many on the boundary; none inside
   std::vector<std::uint32_t> triangles;  ///< three vertices each, counter-clockwise from outside
 
   std::vector<std::uint32_t> vertex, previous, next;  ///< a corner
@@ -45,11 +46,13 @@ struct Front {
     position.push_back(p);
     normal.push_back(n);
     size.push_back(h);
+    corners.push_back(0);
     return static_cast<std::uint32_t>(position.size() - 1);
   }
   std::uint32_t add_corner(std::uint32_t at_vertex) {
     resize_corners(vertex.size() + 1);
     vertex.back() = at_vertex;
+    ++corners[at_vertex];
     alive.push_back(static_cast<std::uint32_t>(vertex.size() - 1));
     return alive.back();
   }
@@ -70,6 +73,11 @@ struct Front {
     position.resize(count);
     normal.resize(count);
     size.resize(count);
+    corners.resize(count, 0);
+  }
+  void kill(std::uint32_t corner) {
+    state[corner] = kDead;
+    --corners[vertex[corner]];
   }
 };
 

@@ -1,7 +1,7 @@
 #pragma once
 
 /// \file
-/// Where the boundary's edges are: found by the cell of their midpoint.
+/// What is near a point: the boundary's edges, by the cells of their midpoints, and all vertices.
 
 #include <cstdint>
 #include <vector>
@@ -36,6 +36,37 @@ class EdgeGrid {
   std::vector<std::uint32_t> first_;  ///< a cell: its edges begin here; one more for no brick
   std::vector<std::uint32_t> cell_, place_;
   std::vector<BoundaryEdge> edges_;
+};
+
+/// All vertices of the front, in a list a cell.
+class VertexGrid {
+ public:
+  explicit VertexGrid(const FieldView& field)
+      : field_(field), head_(cell_count(field) + 1, kNone) {}
+
+  /// Takes the vertices that have come since.
+  void update(const Front& front) {
+    for (std::size_t v = next_.size(); v < front.position.size(); ++v) {
+      std::uint32_t& head = head_[cell_index(field_, cell_at(field_, front.position[v]))];
+      next_.push_back(head);
+      head = static_cast<std::uint32_t>(v);
+    }
+  }
+
+  /// Whether test(vertex) holds for a vertex within `reach` of p.
+  template <class Test>
+  bool any_near(const Front& front, const Vec3& p, float reach, const Test& test) const {
+    bool found = false;
+    for_cells(field_, cells_round(field_, p, reach), [&](std::size_t cell) {
+      for (std::uint32_t v = head_[cell]; v != kNone && !found; v = next_[v])
+        found = squared_norm(front.position[v] - p) < reach * reach && test(v);
+    });
+    return found;
+  }
+
+ private:
+  const FieldView field_;
+  std::vector<std::uint32_t> head_, next_;
 };
 
 }  // namespace vasamesh

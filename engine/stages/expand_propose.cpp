@@ -14,6 +14,7 @@ namespace {
 constexpr float kPart = kPi / 3;     // the angle that a corner is divided into
 constexpr float kEarAngle = 1.75f;   // radians: up to here a corner's edges are joined
 constexpr float kNarrow = 1 / 3.0f;  // of the longest edge: nearer to the boundary is too near
+constexpr float kCovered = 0.55f;    // edge lengths from an inner vertex
 constexpr float kClaim = 1.25f;      // edge lengths that a corner claims round itself
 constexpr float kWideClaim = 2.9f;
 constexpr float kSearch = 2.6f;                    // edge lengths in which boundary edges matter
@@ -29,10 +30,12 @@ int parts_of(float angle) {
 class Proposer {
  public:
   Proposer(const FieldView& field, const SizeView& sizes, const Front& front,
-           const FrontLimits& limits, const CellBox& claimed, std::uint32_t corner)
+           const VertexGrid& vertices, const FrontLimits& limits, const CellBox& claimed,
+           std::uint32_t corner)
       : field_(field),
         sizes_(sizes),
         front_(front),
+        vertices_(vertices),
         limits_(limits),
         claimed_(claimed),
         corner_(corner),
@@ -82,6 +85,7 @@ class Proposer {
   bool good_triangle(const Triangle& t, const std::array<Vec3, 3>& normals, float tau) const;
   bool too_near(const BoundaryEdge& edge, const Proposal& placed,
                 std::span<const Triangle> triangles, float longest) const;
+  bool is_covered(const Vec3& p, const Vec3& normal) const;
   bool good_edge(const Vec3& a, const Vec3& b) const;
   bool clear_of_edges(std::span<const Triangle> triangles) const;
   bool is_own(const BoundaryEdge& edge) const {
@@ -91,6 +95,7 @@ class Proposer {
   const FieldView& field_;
   const SizeView& sizes_;
   const Front& front_;
+  const VertexGrid& vertices_;
   const FrontLimits& limits_;
   const CellBox& claimed_;
   const std::uint32_t corner_, next_, previous_;
@@ -182,6 +187,14 @@ bool Proposer::place(int parts, Proposal& placed) const {
   return true;
 }
 
+/// Whether the mesh is there already: an inner vertex of this sheet lies as near as it does to any
+/// point of a regular mesh. Without this, a front that slips under another would not stop.
+bool Proposer::is_covered(const Vec3& p, const Vec3& normal) const {
+  return vertices_.any_near(front_, p, kCovered * length_, [&](std::uint32_t v) {
+    return front_.corners[v] == 0 && dot(front_.normal[v], normal) > kSameSheet;
+  });
+}
+
 /// The paper's rule of one third of the longest edge: for the new vertices and a boundary edge, and
 /// for the edge's start and the edges that the fan puts on the boundary.
 bool Proposer::too_near(const BoundaryEdge& edge, const Proposal& placed,
@@ -217,6 +230,8 @@ Proposal Proposer::try_fan(const Proposal& placed, bool& narrow) const {
   if (!room_at_next(placed.position[0], false) ||
       !room_at_previous(placed.position[count - 1], false))
     return {};
+  for (std::size_t i = 0; i < count; ++i)
+    if (is_covered(placed.position[i], placed.normal[i])) return {};
   narrow = true;
   for (const BoundaryEdge& edge : edges_)
     if (!is_own(edge) && too_near(edge, placed, {triangles.data(), count + 1}, longest)) return {};
@@ -329,9 +344,9 @@ CellBox claimed_cells(const FieldView& field, const Front& front, std::uint32_t 
 }
 
 Proposal propose(const FieldView& field, const SizeView& sizes, const Front& front,
-                 const EdgeGrid& grid, const FrontLimits& limits, const CellBox& claimed,
-                 std::uint32_t corner, ProposalScratch& scratch) {
-  return Proposer(field, sizes, front, limits, claimed, corner).run(grid, scratch.edges);
+                 const EdgeGrid& grid, const VertexGrid& vertices, const FrontLimits& limits,
+                 const CellBox& claimed, std::uint32_t corner, ProposalScratch& scratch) {
+  return Proposer(field, sizes, front, vertices, limits, claimed, corner).run(grid, scratch.edges);
 }
 
 }  // namespace vasamesh

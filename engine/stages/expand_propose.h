@@ -43,7 +43,7 @@ CellBox claimed_cells(const FieldView& field, const Front& front, std::uint32_t 
 
 /// \param claimed  the corner's claim, which no other proposal of the round touches.
 Proposal propose(const FieldView& field, const SizeView& sizes, const Front& front,
-                 const EdgeGrid& grid, const FrontLimits& limits, const CellBox& claimed,
-                 std::uint32_t corner, ProposalScratch& scratch);
+                 const EdgeGrid& grid, const VertexGrid& vertices, const FrontLimits& limits,
+                 const CellBox& claimed, std::uint32_t corner, ProposalScratch& scratch);
 
 }  // namespace vasamesh

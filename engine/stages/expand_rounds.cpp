@@ -71,15 +71,16 @@ void fill_edge(Front& front, std::uint32_t corner, std::uint32_t tip, std::uint3
   triangle[2] = front.vertex[next];
   const bool follows = front.next[next] == tip, precedes = front.previous[corner] == tip;
   if (follows && precedes) {
-    front.state[corner] = front.state[next] = front.state[tip] = kDead;
+    for (const std::uint32_t c : {corner, next, tip}) front.kill(c);
   } else if (follows) {
     front.link(corner, tip);
-    front.state[next] = kDead;
+    front.kill(next);
   } else if (precedes) {
     front.link(tip, next);
-    front.state[corner] = kDead;
+    front.kill(corner);
   } else {
     front.vertex[spare] = front.vertex[tip];
+    ++front.corners[front.vertex[tip]];
     front.link(front.previous[tip], spare);
     front.link(spare, next);
     front.link(corner, tip);
@@ -95,6 +96,7 @@ FrontRounds::FrontRounds(Backend& backend, const FieldView& field, const SizeVie
       sizes_(sizes),
       front_(front),
       grid_(field),
+      vertices_(field),
       most_triangles_(most_triangles),
       claims_(cell_count(field), 0) {}
 
@@ -107,6 +109,7 @@ bool FrontRounds::run(const FrontLimits& limits) {
     ++rounds_;
     claim();
     grid_.build(backend_, front_);
+    vertices_.update(front_);
     ask(limits);
     settle_failed();
     number();
@@ -180,7 +183,7 @@ void FrontRounds::ask(const FrontLimits& limits) {
     ProposalScratch scratch;
     const std::size_t end = std::min((task + 1) * kProposalGrain, count);
     for (std::size_t i = task * kProposalGrain; i < end; ++i)
-      proposals_[i] = propose(field_, sizes_, front_, grid_, limits,
+      proposals_[i] = propose(field_, sizes_, front_, grid_, vertices_, limits,
                               claimed_cells(field_, front_, active_[i]), active_[i], scratch);
   });
 }
@@ -258,6 +261,7 @@ void FrontRounds::add_one(std::size_t i) {
       front_.position[start.vertex + k] = p.position[k];
       front_.normal[start.vertex + k] = p.normal[k];
       front_.size[start.vertex + k] = p.size[k];
+      front_.corners[start.vertex + k] = 1;
     }
     triangle[3 * k] = front_.vertex[c];
     triangle[3 * k + 1] = front_.vertex[here];
@@ -265,7 +269,7 @@ void FrontRounds::add_one(std::size_t i) {
     front_.link(here, last);
     last = here;
   }
-  front_.state[c] = kDead;
+  front_.kill(c);
 }
 
 void FrontRounds::drop_dead() {

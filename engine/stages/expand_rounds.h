@@ -48,6 +48,7 @@ class FrontRounds {
   const SizeView sizes_;
   Front& front_;
   EdgeGrid grid_;
+  VertexGrid vertices_;
   const std::size_t most_triangles_;
   int rounds_ = 0;
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "stages/expand_checks.h"
+#include "stages/expand_grid.h"
 #include "stages/expand_place.h"
 
 namespace vasamesh {
@@ -16,42 +17,6 @@ constexpr float kClear = 2.1f;   // edge lengths from a seed's centre to any ver
 constexpr float kSeedTau = 0.6f;
 constexpr float kOffSurface = 0.2f;  // of an edge's length
 constexpr std::size_t kGrain = 64;
-
-/// Vertices by cell, for the search round a point.
-class VertexGrid {
- public:
-  VertexGrid(const FieldView& field, const Front& front) : field_(field), front_(front) {
-    const std::size_t count = front.position.size();
-    first_.assign(cell_count(field) + 3, 0);
-    std::vector<std::uint32_t> cell(count);
-    for (std::size_t v = 0; v < count; ++v) {
-      cell[v] = static_cast<std::uint32_t>(cell_index(field, cell_at(field, front.position[v])));
-      ++first_[cell[v] + 2];
-    }
-    for (std::size_t c = 2; c < first_.size(); ++c) first_[c] += first_[c - 1];
-    vertices_.resize(count);
-    for (std::size_t v = 0; v < count; ++v)
-      vertices_[first_[cell[v] + 1]++] = static_cast<std::uint32_t>(v);
-  }
-
-  /// Whether a vertex of the sheet that faces along `normal` lies within `reach` of p.
-  bool any_near(const Vec3& p, const Vec3& normal, float reach) const {
-    bool found = false;
-    for_cells(field_, cells_round(field_, p, reach), [&](std::size_t cell) {
-      for (std::uint32_t i = first_[cell]; i < first_[cell + 1] && !found; ++i) {
-        const std::uint32_t v = vertices_[i];
-        found = squared_norm(front_.position[v] - p) < reach * reach &&
-                dot(front_.normal[v], normal) > -kSameSheet;
-      }
-    });
-    return found;
-  }
-
- private:
-  const FieldView& field_;
-  const Front& front_;
-  std::vector<std::uint32_t> first_, vertices_;
-};
 
 /// Points that keep their distance, in coarse cells a distance wide.
 class SparsePoints {
@@ -143,14 +108,18 @@ void add_hexagon(const SizeView& sizes, const Vec3& p, const Vec3& normal, const
 
 std::size_t add_seeds(Backend& backend, const FieldView& field, const SizeView& sizes,
                       const SurfaceSamples& samples, Front& front) {
-  const VertexGrid grid(field, front);
+  VertexGrid grid(field);
+  grid.update(front);
   std::vector<std::uint8_t> open(samples.count(), 0);
   backend.run((samples.count() + kGrain - 1) / kGrain, [&](std::size_t task) {
     const std::size_t end = std::min((task + 1) * kGrain, samples.count());
-    for (std::size_t i = task * kGrain; i < end; ++i)
-      open[i] =
-          samples.radius[i] > 0 && !grid.any_near(samples.position[i], samples.normal[i],
-                                                  kClear * size_at(sizes, samples.position[i]));
+    for (std::size_t i = task * kGrain; i < end; ++i) {
+      const Vec3 &p = samples.position[i], &normal = samples.normal[i];
+      open[i] = samples.radius[i] > 0 &&
+                !grid.any_near(front, p, kClear * size_at(sizes, p), [&](std::uint32_t v) {
+                  return dot(front.normal[v], normal) > -kSameSheet;
+                });
+    }
   });
 
   SparsePoints taken(field, kApart * sizes.elsewhere);
