@@ -26,6 +26,7 @@ void finish(Backend& backend, const RemeshGoal& goal, WorkingSurface& surface) {
   for (int round = 0; round < kRounds; ++round)
     for_each_block(backend, {kBlock, 0.1f + 0.25f * static_cast<float>(round)}, surface,
                    [&](PatchMesh& part) {
+                     if (!goal.wants(part)) return;
                      flip_to_angle(part, 3);
                      smooth(part, goal, 2);
                      equalise(part, goal, 2);
@@ -41,7 +42,7 @@ void finish(Backend& backend, const RemeshGoal& goal, WorkingSurface& surface) {
 
 TriangleMesh finish(Backend& backend, const FieldView& field, const SizeView& sizes,
                     const TriangleMesh& mesh) {
-  const RemeshGoal goal = {field, sizes, {}};
+  const RemeshGoal goal = {field, sizes, {}, false};
   WorkingSurface surface = make_working_surface(backend, goal, mesh);
   finish(backend, goal, surface);
   return make_mesh(surface);

@@ -29,6 +29,7 @@ struct RemeshGoal {
   FieldView field;
   SizeView sizes;
   std::span<const CarefulPlace> places;  ///< the least factor counts
+  bool local = false;                    ///< work on parts with such places alone
 
   /// The mean edge comes out shorter than the length that splits and collapses aim at.
   static constexpr float kLengthFactor = 1.08f;
@@ -39,6 +40,20 @@ struct RemeshGoal {
       if (squared_norm(p - place.centre) <= place.radius * place.radius)
         factor = std::min(factor, kLengthFactor * place.factor);
     return factor * vasamesh::size_at(sizes, p);
+  }
+
+  bool is_careful(const Vec3& p) const {
+    return std::any_of(places.begin(), places.end(), [&](const CarefulPlace& place) {
+      return squared_norm(p - place.centre) <= place.radius * place.radius;
+    });
+  }
+
+  /// Whether there is work to do on the part.
+  bool wants(const PatchMesh& part) const {
+    return !local || std::any_of(part.points.begin(), part.points.end(),
+                                 [&](const SurfacePoint& point) {
+                                   return is_careful(point.position);
+                                 });
   }
 };
 
