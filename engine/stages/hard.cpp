@@ -29,7 +29,9 @@ bool is_hard(const FieldView& field, const SurfaceSamples& samples, const SizeRu
          !has_room(field, samples.position[i], samples.normal[i], kRoom * rule.edge_min);
 }
 
-/// Which vertices lie within the growth of a hard place.
+enum Nearness : std::uint8_t { kAway, kNear, kWithin };  ///< of a vertex to a hard cell
+
+/// Which vertices lie within the growth of a hard cell, or in it.
 std::vector<std::uint8_t> near_vertices(Backend& backend, const SizeView& distance,
                                         const SizeView& sizes, const TriangleMesh& surface) {
   const std::size_t count = surface.vertex_count();
@@ -39,7 +41,8 @@ std::vector<std::uint8_t> near_vertices(Backend& backend, const SizeView& distan
     for (std::size_t v = task * kSurfaceGrain; v < end; ++v) {
       const float* p = &surface.vertices[3 * v];
       const Vec3 at = {p[0], p[1], p[2]};
-      near[v] = size_at(distance, at) <= kGrowth * size_at(sizes, at);
+      const float apart = size_at(distance, at);
+      near[v] = !(apart > 0) ? kWithin : apart <= kGrowth * size_at(sizes, at) ? kNear : kAway;
     }
   });
   return near;
@@ -54,7 +57,7 @@ std::vector<std::uint8_t> triangles_at(Backend& backend, const std::vector<std::
     const std::size_t end = std::min((task + 1) * kSurfaceGrain, count);
     for (std::size_t t = task * kSurfaceGrain; t < end; ++t) {
       const std::uint32_t* v = &surface.triangles[3 * t];
-      hard[t] = flagged[v[0]] | flagged[v[1]] | flagged[v[2]];
+      hard[t] = flagged[v[0]] || flagged[v[1]] || flagged[v[2]];
     }
   });
   return hard;
@@ -84,10 +87,31 @@ bool widen_pinches(const TriangleMesh& surface, const std::vector<std::uint8_t>&
     for (++i; i < spokes.size() && spokes[i] >> 32 == v; ++i) inner += spokes[i] == spokes[i - 1];
     const std::size_t fans = (i - first) / 2 - inner;
     if (fans < 2) continue;
-    flagged[v] = 1;
+    flagged[v] = kNear;
     any = true;
   }
   return any;
+}
+
+/// Takes off the regions that hold no hard cell: places of another sheet, or islands of a few
+/// triangles that the cells of the growth's rim leave.
+void drop_islands(const TriangleMesh& surface, const std::vector<std::uint8_t>& flagged,
+                  std::vector<std::uint8_t>& hard) {
+  std::vector<std::uint32_t> parent(surface.vertex_count());
+  for (std::uint32_t v = 0; v < parent.size(); ++v) parent[v] = v;
+  const auto root = [&](std::uint32_t v) {
+    while (parent[v] != v) v = parent[v] = parent[parent[v]];
+    return v;
+  };
+  std::vector<std::uint8_t> kept(parent.size(), 0);
+  for (std::size_t t = 0; t < hard.size(); ++t)
+    if (hard[t])
+      for (std::size_t i = 1; i < 3; ++i)
+        parent[root(surface.triangles[3 * t + i])] = root(surface.triangles[3 * t]);
+  for (std::uint32_t v = 0; v < parent.size(); ++v)
+    if (flagged[v] == kWithin) kept[root(v)] = 1;
+  for (std::size_t t = 0; t < hard.size(); ++t)
+    if (hard[t]) hard[t] = kept[root(surface.triangles[3 * t])];
 }
 
 }  // namespace
@@ -111,6 +135,7 @@ std::vector<std::uint8_t> find_hard_regions(Backend& backend, const IndicatorFie
       near_vertices(backend, {view, distance.view(), kFar}, sizes.view(field), surface);
   std::vector<std::uint8_t> hard = triangles_at(backend, at_vertex, surface);
   while (widen_pinches(surface, hard, at_vertex)) hard = triangles_at(backend, at_vertex, surface);
+  drop_islands(surface, at_vertex, hard);
   return hard;
 }
 
