@@ -1,0 +1,83 @@
+#include "stages/field.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace vasamesh {
+
+namespace {
+
+constexpr std::size_t kGrain = 8;  // bricks a task takes
+
+/// The values of a brick's neighbour; null where there is none.
+const float* brick_values(const BrickView& bricks, const float* values, std::size_t brick,
+                          int neighbour) {
+  const std::int32_t other = bricks.neighbours[27 * brick + static_cast<std::size_t>(neighbour)];
+  return other == kNoBrick ? nullptr : values + std::size_t{kBrickCells} * other;
+}
+
+/// coefficients -= an eighth of the second difference of the values along one axis; nothing where
+/// a neighbour is not there.
+void subtract_second_difference(const float* own, const float* below, const float* above,
+                                int stride, float* coefficients) {
+  for (int cell = 0; cell < kBrickCells; ++cell) {
+    const int place = cell / stride & 7, last = cell + 7 * stride, first = cell - 7 * stride;
+    if ((place == 0 && !below) || (place == 7 && !above)) continue;
+    const float low = place == 0 ? below[last] : own[cell - stride];
+    const float high = place == 7 ? above[first] : own[cell + stride];
+    coefficients[cell] -= 0.125f * ((low + high) - 2.0f * own[cell]);
+  }
+}
+
+void brick_coefficients(const BrickView& bricks, const float* values, std::size_t brick,
+                        float* coefficients) {
+  const float* own = values + kBrickCells * brick;
+  std::copy_n(own, kBrickCells, coefficients);
+  for (int axis = 0; axis < 3; ++axis) {
+    const int along[3] = {axis == 0, axis == 1, axis == 2};
+    subtract_second_difference(
+        own, brick_values(bricks, values, brick, brick_neighbour(-along[0], -along[1], -along[2])),
+        brick_values(bricks, values, brick, brick_neighbour(along[0], along[1], along[2])),
+        1 << (3 * axis), coefficients);
+  }
+}
+
+}  // namespace
+
+FieldView IndicatorField::view() const {
+  return {grid,
+          brick_at.view(),
+          coefficients.view(),
+          step,
+          {1.0f / step[0], 1.0f / step[1], 1.0f / step[2]}};
+}
+
+IndicatorField make_field(Backend& backend, const Lattice& lattice, const std::array<int, 3>& size,
+                          const Scale& scale) {
+  IndicatorField field;
+  for (std::size_t i = 0; i < 3; ++i) {
+    field.grid[i] = size[i] / 4;
+    field.step[i] = 0.5f * scale[i];
+  }
+  const BrickView bricks = lattice.bricks.view();
+  field.brick_at = Buffer<std::int32_t>(
+      backend, static_cast<std::size_t>(field.grid[0]) * field.grid[1] * field.grid[2]);
+  std::int32_t* table = field.brick_at.view().data();
+  std::fill_n(table, field.brick_at.size(), kNoBrick);
+  for (std::size_t b = 0; b < bricks.count; ++b)
+    table[field.view().cell_of(bricks.coords[b])] = static_cast<std::int32_t>(b);
+
+  field.neighbours = Buffer<std::int32_t>(backend, 27 * bricks.count);
+  std::copy_n(bricks.neighbours.data(), 27 * bricks.count, field.neighbours.view().data());
+  field.coefficients = Buffer<float>(backend, bricks.count * kBrickCells);
+  const float* values = lattice.values.view().data();
+  float* coefficients = field.coefficients.view().data();
+  backend.run((bricks.count + kGrain - 1) / kGrain, [&](std::size_t task) {
+    const std::size_t end = std::min((task + 1) * kGrain, bricks.count);
+    for (std::size_t b = task * kGrain; b < end; ++b)
+      brick_coefficients(bricks, values, b, coefficients + kBrickCells * b);
+  });
+  return field;
+}
+
+}  // namespace vasamesh

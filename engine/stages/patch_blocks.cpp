@@ -1,0 +1,247 @@
+#include "stages/patch_blocks.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <utility>
+
+#include "vasamesh/errors.h"
+
+namespace vasamesh {
+
+namespace {
+
+constexpr std::size_t kChunk = 16384;  // triangles or vertices a task takes
+constexpr std::uint32_t kNone = PatchMesh::kNone;
+
+std::size_t chunks(std::size_t count) { return (count + kChunk - 1) / kChunk; }
+
+/// The triangles of block b are order[first[b]] .. order[first[b + 1] - 1].
+struct Division {
+  std::vector<std::uint32_t> first, order;
+  std::size_t count() const { return first.size() - 1; }
+};
+
+/// Cells of a grid round all vertices.
+class Cells {
+ public:
+  Cells(const std::vector<SurfacePoint>& points, const BlockGrid& grid) : inverse_(1 / grid.side) {
+    Vec3 low = points[0].position, high = low;
+    for (const SurfacePoint& p : points) {
+      low = {std::min(low.x, p.position.x), std::min(low.y, p.position.y),
+             std::min(low.z, p.position.z)};
+      high = {std::max(high.x, p.position.x), std::max(high.y, p.position.y),
+              std::max(high.z, p.position.z)};
+    }
+    const float back = (1 - grid.shift) * grid.side;
+    origin_ = low - Vec3{back, back, back};
+    const Vec3 extent = inverse_ * (high - origin_);
+    size_ = {static_cast<std::size_t>(extent.x) + 1, static_cast<std::size_t>(extent.y) + 1,
+             static_cast<std::size_t>(extent.z) + 1};
+  }
+
+  std::size_t count() const { return size_[0] * size_[1] * size_[2]; }
+
+  std::uint32_t at(const Vec3& p) const {
+    const Vec3 q = inverse_ * (p - origin_);
+    const std::size_t x = std::min(static_cast<std::size_t>(std::max(q.x, 0.0f)), size_[0] - 1);
+    const std::size_t y = std::min(static_cast<std::size_t>(std::max(q.y, 0.0f)), size_[1] - 1);
+    const std::size_t z = std::min(static_cast<std::size_t>(std::max(q.z, 0.0f)), size_[2] - 1);
+    return static_cast<std::uint32_t>(x + size_[0] * (y + size_[1] * z));
+  }
+
+ private:
+  float inverse_;
+  Vec3 origin_;
+  std::array<std::size_t, 3> size_{1, 1, 1};
+};
+
+/// Triangles by the cells of their first corners, in the order of cells, then of triangles.
+Division divide(Backend& backend, const BlockGrid& grid, const WorkingSurface& surface) {
+  const std::size_t triangles = surface.triangles.size() / 3;
+  const Cells cells(surface.points, grid);
+  std::vector<std::uint32_t> cell(triangles);
+  backend.run(chunks(triangles), [&](std::size_t chunk) {
+    for (std::size_t t = chunk * kChunk; t < std::min((chunk + 1) * kChunk, triangles); ++t)
+      cell[t] = cells.at(surface.points[surface.triangles[3 * t]].position);
+  });
+  std::vector<std::uint32_t> block(cells.count(), 0);
+  for (std::uint32_t c : cell) ++block[c];
+  Division division;
+  division.first.push_back(0);
+  for (std::uint32_t& count : block) {
+    if (count == 0) continue;
+    const std::uint32_t start = division.first.back();
+    division.first.push_back(start + count);
+    count = start;
+  }
+  division.order.resize(triangles);
+  for (std::size_t t = 0; t < triangles; ++t)
+    division.order[block[cell[t]]++] = static_cast<std::uint32_t>(t);
+  return division;
+}
+
+/// Global vertices by the order in which they first come: an open-addressed table.
+class VertexTable {
+ public:
+  explicit VertexTable(std::size_t most) : slots_(std::bit_ceil(2 * most + 2), kNone) {}
+
+  std::uint32_t insert(std::uint32_t vertex) {
+    const std::size_t mask = slots_.size() - 1;
+    for (std::size_t i = vertex * 0x9e3779b1u & mask;; i = (i + 1) & mask) {
+      if (slots_[i] == kNone) {
+        slots_[i] = static_cast<std::uint32_t>(vertices.size());
+        vertices.push_back(vertex);
+      }
+      if (vertices[slots_[i]] == vertex) return slots_[i];
+    }
+  }
+
+  std::vector<std::uint32_t> vertices;
+
+ private:
+  std::vector<std::uint32_t> slots_;
+};
+
+/// What a task leaves: corners below `old_count` are vertices of the surface, the others its own.
+struct Part {
+  std::vector<std::uint32_t> corners;
+  std::vector<SurfacePoint> added;
+};
+
+/// Takes a block out of the surface, works on it, and writes its vertices back.
+Part work_on(WorkingSurface& surface, const std::vector<std::uint32_t>& degree,
+             const Division& division, std::size_t b,
+             const std::function<void(PatchMesh&)>& work) {
+  const std::uint32_t first = division.first[b], end = division.first[b + 1];
+  const auto old_count = static_cast<std::uint32_t>(surface.points.size());
+  VertexTable table(2 * (end - first));
+  std::vector<std::uint32_t> corners, local_degree;
+  corners.reserve(3 * (end - first));
+  for (std::uint32_t i = first; i < end; ++i)
+    for (int k = 0; k < 3; ++k) {
+      const std::uint32_t v =
+          table.insert(surface.triangles[3 * std::size_t{division.order[i]} + k]);
+      if (v == local_degree.size()) local_degree.push_back(0);
+      ++local_degree[v];
+      corners.push_back(v);
+    }
+  const std::vector<std::uint32_t>& source = table.vertices;
+  std::vector<SurfacePoint> points(source.size());
+  std::vector<std::uint8_t> whole(source.size());
+  for (std::size_t v = 0; v < source.size(); ++v) {
+    points[v] = surface.points[source[v]];
+    whole[v] = local_degree[v] == degree[source[v]] &&
+               (surface.fixed.empty() || !surface.fixed[source[v]]);
+  }
+  PatchMesh mesh;
+  mesh.build(std::move(points), corners, std::move(whole));
+  work(mesh);
+
+  Part part;
+  std::vector<std::uint32_t> name(mesh.vertex_count(), kNone);
+  for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) {
+    if (!mesh.is_there(v)) continue;
+    if (v < source.size()) {
+      name[v] = source[v];
+      if (mesh.is_whole(v)) surface.points[source[v]] = mesh.points[v];
+    } else {
+      name[v] = old_count + static_cast<std::uint32_t>(part.added.size());
+      part.added.push_back(mesh.points[v]);
+    }
+  }
+  for (std::uint32_t h = 0; h < mesh.half_edge_end(); ++h)
+    if (mesh.is_edge(h)) part.corners.push_back(name[mesh.origin(h)]);
+  return part;
+}
+
+/// Puts the parts one after the other.
+void join(Backend& backend, const std::vector<Part>& parts, WorkingSurface& surface) {
+  const std::size_t old_count = surface.points.size();
+  std::vector<std::size_t> corner_start(parts.size() + 1, 0), added_start(parts.size() + 1, 0);
+  for (std::size_t b = 0; b < parts.size(); ++b) {
+    corner_start[b + 1] = corner_start[b] + parts[b].corners.size();
+    added_start[b + 1] = added_start[b] + parts[b].added.size();
+  }
+  if (corner_start.back() > 0xffffffffu)
+    throw Error(ErrorCode::refused, "the surface has more than 2^32 corners: ask for longer edges");
+  surface.points.resize(old_count + added_start.back());
+  if (!surface.fixed.empty()) surface.fixed.resize(surface.points.size(), 0);
+  surface.triangles.resize(corner_start.back());
+  backend.run(parts.size(), [&](std::size_t b) {
+    const auto shift = static_cast<std::uint32_t>(added_start[b]);
+    std::uint32_t* to = surface.triangles.data() + corner_start[b];
+    for (std::uint32_t v : parts[b].corners) *to++ = v < old_count ? v : v + shift;
+    std::copy(parts[b].added.begin(), parts[b].added.end(),
+              surface.points.begin() + static_cast<std::ptrdiff_t>(old_count + added_start[b]));
+  });
+}
+
+}  // namespace
+
+void for_each_block(Backend& backend, const BlockGrid& grid, WorkingSurface& surface,
+                    const std::function<void(PatchMesh&)>& work) {
+  if (surface.triangles.empty()) return;
+  std::vector<std::uint32_t> degree(surface.points.size(), 0);
+  for (std::uint32_t v : surface.triangles) ++degree[v];
+  const Division division = divide(backend, grid, surface);
+  std::vector<Part> parts(division.count());
+  backend.run(division.count(), [&](std::size_t b) {
+    parts[b] = work_on(surface, degree, division, b, work);
+  });
+  join(backend, parts, surface);
+}
+
+namespace {
+
+/// Sums of the triangles' normals, by area.
+void set_mesh_normals(WorkingSurface& surface) {
+  for (std::size_t c = 0; c < surface.triangles.size(); c += 3) {
+    SurfacePoint* corner[3];
+    for (int i = 0; i < 3; ++i) corner[i] = &surface.points[surface.triangles[c + i]];
+    const Vec3 normal = cross(corner[1]->position - corner[0]->position,
+                              corner[2]->position - corner[0]->position);
+    for (SurfacePoint* p : corner) p->normal = p->normal + normal;
+  }
+}
+
+}  // namespace
+
+WorkingSurface make_working_surface(Backend& backend, const RemeshGoal& goal,
+                                    const TriangleMesh& mesh) {
+  WorkingSurface surface;
+  surface.triangles = mesh.triangles;
+  surface.points.resize(mesh.vertex_count());
+  for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
+    surface.points[v].position = {mesh.vertices[3 * v], mesh.vertices[3 * v + 1],
+                                  mesh.vertices[3 * v + 2]};
+  set_mesh_normals(surface);
+  const std::size_t count = surface.points.size();
+  backend.run(chunks(count), [&](std::size_t chunk) {
+    for (std::size_t v = chunk * kChunk; v < std::min((chunk + 1) * kChunk, count); ++v) {
+      SurfacePoint& p = surface.points[v];
+      p.normal = normalised(p.normal);
+      p.size = goal.size_at(p.position);
+      take_normal(goal.field, p);
+    }
+  });
+  return surface;
+}
+
+TriangleMesh make_mesh(const WorkingSurface& surface) {
+  std::vector<std::uint32_t> name(surface.points.size(), 0);
+  for (std::uint32_t v : surface.triangles) name[v] = 1;
+  TriangleMesh mesh;
+  std::uint32_t count = 0;
+  for (std::size_t v = 0; v < name.size(); ++v) {
+    if (!name[v]) continue;
+    name[v] = count++;
+    const Vec3& p = surface.points[v].position;
+    mesh.vertices.insert(mesh.vertices.end(), {p.x, p.y, p.z});
+  }
+  mesh.triangles.reserve(surface.triangles.size());
+  for (std::uint32_t v : surface.triangles) mesh.triangles.push_back(name[v]);
+  return mesh;
+}
+
+}  // namespace vasamesh

@@ -1,0 +1,46 @@
+#pragma once
+
+/// \file
+/// A surface that is being remeshed, and passes over it in parallel: its triangles are divided by
+/// the cells of a grid, each task works on the triangles of one cell as a PatchMesh of its own, and
+/// the parts are joined in the order of the cells. Vertices with triangles in several cells stay
+/// what they are; the grid moves from pass to pass, so that each vertex is inside in most of them.
+/// The result depends on the surface and the grid alone.
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "backend/backend.h"
+#include "stages/patch_mesh.h"
+#include "stages/patch_passes.h"
+#include "vasamesh/types.h"
+
+namespace vasamesh {
+
+/// Vertices of no triangle may lie between the others.
+struct WorkingSurface {
+  std::vector<SurfacePoint> points;
+  std::vector<std::uint8_t> fixed;  ///< a point: not to be moved or removed; empty: none is
+  std::vector<std::uint32_t> triangles;
+};
+
+/// The grid of cells of a pass.
+struct BlockGrid {
+  float side = 16;  ///< voxel lengths
+  float shift = 0;  ///< of the grid along each axis, as a part of the side, 0 to 1
+};
+
+/// Calls work(part) for the part in each cell, in parallel, and joins what it leaves.
+void for_each_block(Backend& backend, const BlockGrid& grid, WorkingSurface& surface,
+                    const std::function<void(PatchMesh&)>& work);
+
+/// The surface to work on: normals from the field (the mean of the triangles' where the field has
+/// none or denies it), sizes at the vertices.
+WorkingSurface make_working_surface(Backend& backend, const RemeshGoal& goal,
+                                    const TriangleMesh& mesh);
+
+/// The mesh of what is left.
+TriangleMesh make_mesh(const WorkingSurface& surface);
+
+}  // namespace vasamesh

@@ -1,0 +1,129 @@
+#include "stages/patch_clearance.h"
+
+#include <algorithm>
+#include <bit>
+
+#include "stages/intersect.h"
+
+namespace vasamesh {
+
+namespace {
+
+constexpr float kInverseSide = 1.0f;  // of a cell, in voxel lengths
+
+const Vec3& place(const PatchMesh& mesh, std::uint32_t v) { return mesh.points[v].position; }
+
+/// Whether two triangles, given by their vertices, meet beyond what they share.
+bool meet(const PatchMesh& mesh, const Clearance::Corners& a, const Clearance::Corners& b) {
+  TriangleMesh pair;
+  std::uint32_t names[6];
+  std::uint32_t count = 0;
+  pair.vertices.reserve(18);
+  pair.triangles.reserve(6);
+  for (const Clearance::Corners& triangle : {a, b})
+    for (std::uint32_t v : triangle) {
+      std::uint32_t i = 0;
+      while (i < count && names[i] != v) ++i;
+      if (i == count) {
+        names[count++] = v;
+        const Vec3& p = place(mesh, v);
+        pair.vertices.insert(pair.vertices.end(), {p.x, p.y, p.z});
+      }
+      pair.triangles.push_back(i);
+    }
+  return triangles_intersect(pair, 0, 1);
+}
+
+Clearance::Corners corners_of(const PatchMesh& mesh, std::uint32_t face) {
+  return {mesh.origin(4 * face), mesh.origin(4 * face + 1), mesh.origin(4 * face + 2)};
+}
+
+}  // namespace
+
+struct Clearance::Box {
+  Vec3 low, high;
+
+  Box(const PatchMesh& mesh, const Corners& t) : low(place(mesh, t[0])), high(low) {
+    for (int i = 1; i < 3; ++i) {
+      const Vec3& p = place(mesh, t[i]);
+      low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+      high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+    }
+  }
+  bool meets(const Box& other) const {
+    return low.x <= other.high.x && other.low.x <= high.x && low.y <= other.high.y &&
+           other.low.y <= high.y && low.z <= other.high.z && other.low.z <= high.z;
+  }
+};
+
+/// visit(slot) for the slots of the cells that the box meets. Positions are not negative.
+template <class Visit>
+void Clearance::for_each_cell(const Box& box, const Visit& visit) const {
+  const auto cell = [](float x) { return static_cast<std::uint32_t>(kInverseSide * x); };
+  const auto mask = static_cast<std::uint32_t>(head_.size() - 1);
+  for (std::uint32_t z = cell(box.low.z); z <= cell(box.high.z); ++z)
+    for (std::uint32_t y = cell(box.low.y); y <= cell(box.high.y); ++y)
+      for (std::uint32_t x = cell(box.low.x); x <= cell(box.high.x); ++x)
+        visit((x * 73856093u ^ y * 19349663u ^ z * 83492791u) & mask);
+}
+
+Clearance::Clearance(const PatchMesh& mesh) {
+  const std::size_t faces = mesh.half_edge_end() / 4;
+  head_.assign(std::bit_ceil(2 * faces + 1), PatchMesh::kNone);
+  entries_.reserve(8 * faces);
+  for (std::uint32_t h = 0; h < mesh.half_edge_end(); h += 4)
+    if (mesh.is_edge(h)) take_up(mesh, h);
+}
+
+void Clearance::take_up(const PatchMesh& mesh, std::uint32_t h) {
+  const std::uint32_t face = h / 4;
+  for_each_cell(Box(mesh, corners_of(mesh, face)), [&](std::uint32_t slot) {
+    for (std::uint32_t e = head_[slot]; e != PatchMesh::kNone; e = entries_[e].next)
+      if (entries_[e].face == face) return;
+    entries_.push_back({face, head_[slot]});
+    head_[slot] = static_cast<std::uint32_t>(entries_.size() - 1);
+  });
+}
+
+bool Clearance::is_clear(const PatchMesh& mesh, std::span<const std::uint32_t> gone,
+                         std::span<const Corners> made) {
+  seen_.resize(mesh.half_edge_end() / 4, 0);
+  for (std::size_t i = 0; i < made.size(); ++i) {
+    const Box box(mesh, made[i]);
+    for (std::size_t j = 0; j < i; ++j)
+      if (box.meets(Box(mesh, made[j])) && meet(mesh, made[i], made[j])) return false;
+    ++stamp_;
+    for (std::uint32_t h : gone) seen_[h / 4] = stamp_;
+    bool clear = true;
+    for_each_cell(box, [&](std::uint32_t slot) {
+      for (std::uint32_t e = head_[slot]; clear && e != PatchMesh::kNone; e = entries_[e].next) {
+        const std::uint32_t face = entries_[e].face;
+        if (seen_[face] == stamp_ || !mesh.is_edge(4 * face)) continue;
+        seen_[face] = stamp_;
+        const Corners other = corners_of(mesh, face);
+        clear = !box.meets(Box(mesh, other)) || !meet(mesh, made[i], other);
+      }
+    });
+    if (!clear) return false;
+  }
+  return true;
+}
+
+bool Clearance::move_if_clear(PatchMesh& mesh, std::uint32_t v, const SurfacePoint& point) {
+  const SurfacePoint old = mesh.points[v];
+  mesh.points[v] = point;
+  fan_.clear();
+  fan_corners_.clear();
+  mesh.for_each_out(v, [&](std::uint32_t h) {
+    fan_.push_back(h);
+    fan_corners_.push_back({v, mesh.target(h), mesh.apex(h)});
+  });
+  if (!is_clear(mesh, fan_, fan_corners_)) {
+    mesh.points[v] = old;
+    return false;
+  }
+  for (std::uint32_t h : fan_) take_up(mesh, h);
+  return true;
+}
+
+}  // namespace vasamesh

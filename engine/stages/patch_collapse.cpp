@@ -1,0 +1,66 @@
+/// Collapses of short edges.
+
+#include "stages/patch_passes.h"
+#include "stages/patch_rules.h"
+
+namespace vasamesh {
+
+namespace {
+
+/// Whether the triangles and edges that `kept` gets when `gone` is merged into it keep the rules.
+bool leaves_good_triangles(const PatchMesh& mesh, std::uint32_t gone, std::uint32_t kept,
+                           float longest) {
+  const SurfacePoint& point = mesh.points[kept];
+  const float limit = std::min(kSine10, facing_fan_quality(mesh, gone));
+  bool good = true;
+  mesh.for_each_out(gone, [&](std::uint32_t h) {
+    const std::uint32_t b = mesh.target(h), c = mesh.apex(h);
+    if (!good || b == kept || c == kept) return;
+    const SurfacePoint& p = mesh.points[b];
+    const SurfacePoint& q = mesh.points[c];
+    good = relative_length(point, p) <= longest * longest &&
+           relative_length(point, q) <= longest * longest && edge_follows(point, p) &&
+           edge_follows(point, q) && may_replace(mesh.points[gone], point, p, q, limit);
+  });
+  return good;
+}
+
+/// Merges v along its shortest edge that may go. \return whether it did.
+bool merge_vertex(PatchMesh& mesh, std::uint32_t v, float shortest, float longest) {
+  struct Candidate {
+    float length;
+    std::uint32_t edge, kept;
+  };
+  constexpr int kMost = 8;
+  Candidate candidates[kMost];
+  int count = 0;
+  const auto consider = [&](std::uint32_t h, std::uint32_t w) {
+    const float length = relative_length(mesh.points[v], mesh.points[w]);
+    if (!(length < shortest * shortest) || count == kMost || !mesh.is_whole(w)) return;
+    int i = count++;
+    for (; i > 0 && candidates[i - 1].length > length; --i) candidates[i] = candidates[i - 1];
+    candidates[i] = {length, h, w};
+  };
+  mesh.for_each_out(v, [&](std::uint32_t h) {
+    consider(h, mesh.target(h));
+    const std::uint32_t in = PatchMesh::previous(h);
+    if (mesh.twin(in) == PatchMesh::kNone) consider(in, mesh.apex(h));
+  });
+  for (int i = 0; i < count; ++i) {
+    const Candidate& c = candidates[i];
+    if (!leaves_good_triangles(mesh, v, c.kept, longest) || !mesh.may_collapse(c.edge, v, c.kept))
+      continue;
+    mesh.collapse(c.edge, v, c.kept);
+    return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+void collapse_short_edges(PatchMesh& mesh, float shortest, float longest) {
+  for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v)
+    if (mesh.is_there(v) && mesh.is_whole(v)) merge_vertex(mesh, v, shortest, longest);
+}
+
+}  // namespace vasamesh

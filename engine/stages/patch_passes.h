@@ -1,0 +1,96 @@
+#pragma once
+
+/// \file
+/// The passes of remeshing over one part of a surface. Each goes through the part in a fixed order
+/// and keeps the rules of patch_rules.h; vertices that are not whole stay where they are.
+///
+/// Botsch, Kobbelt 2004; Dunyach, Vanderhaeghe, Barthe, Botsch: Adaptive remeshing for real-time
+/// mesh deformation, 2013.
+
+#include <algorithm>
+#include <cstdint>
+#include <span>
+
+#include "stages/patch_mesh.h"
+#include "types/indicator_field.h"
+#include "types/sizes.h"
+
+namespace vasamesh {
+
+/// A ball in which edges are to be shorter than elsewhere, or the input is to stay as it is.
+struct CarefulPlace {
+  Vec3 centre;
+  float radius = 2;  ///< voxel lengths
+  float factor = 1;  ///< of the sizes; 0: the input's vertices stay
+};
+
+/// What the vertices are projected onto and how long edges shall be.
+struct RemeshGoal {
+  FieldView field;
+  SizeView sizes;
+  std::span<const CarefulPlace> places;  ///< the least factor counts
+  bool local = false;                    ///< work on parts with such places alone
+
+  /// The mean edge comes out shorter than the length that splits and collapses aim at.
+  static constexpr float kLengthFactor = 1.08f;
+
+  float size_at(const Vec3& p) const {
+    float factor = kLengthFactor;
+    for (const CarefulPlace& place : places)
+      if (squared_norm(p - place.centre) <= place.radius * place.radius)
+        factor = std::min(factor, kLengthFactor * place.factor);
+    return factor * vasamesh::size_at(sizes, p);
+  }
+
+  bool is_careful(const Vec3& p) const {
+    return std::any_of(places.begin(), places.end(), [&](const CarefulPlace& place) {
+      return squared_norm(p - place.centre) <= place.radius * place.radius;
+    });
+  }
+
+  /// Whether there is work to do on the part.
+  bool wants(const PatchMesh& part) const {
+    return !local || std::any_of(part.points.begin(), part.points.end(),
+                                 [&](const SurfacePoint& point) {
+                                   return is_careful(point.position);
+                                 });
+  }
+};
+
+/// Edges longer than 4/3 of their size are split, shorter than 4/5 collapsed.
+inline constexpr float kLongest = 4.0f / 3.0f, kShortest = 4.0f / 5.0f;
+
+/// Merges vertices into their neighbours along edges shorter than `shortest` times their size,
+/// unless that makes an edge longer than `longest` times its size or breaks a rule.
+void collapse_short_edges(PatchMesh& mesh, float shortest, float longest);
+
+/// Splits edges longer than `longest` times their size; new vertices come onto the surface.
+void split_long_edges(PatchMesh& mesh, const RemeshGoal& goal, float longest);
+
+/// Flips edges where that brings the numbers of edges at the four corners nearer to six (four on
+/// borders), until none is left or `passes` are over.
+void flip_to_valence(PatchMesh& mesh, int passes);
+
+/// Flips edges where that makes the least angle of their two triangles larger.
+void flip_to_angle(PatchMesh& mesh, int passes);
+
+/// Moves inner vertices in their tangent planes towards where their edges have the right lengths,
+/// and onto the surface.
+void smooth(PatchMesh& mesh, const RemeshGoal& goal, int passes);
+
+/// Moves inner vertices to where the triangles round them have edges of more equal lengths.
+void equalise(PatchMesh& mesh, const RemeshGoal& goal, int passes);
+
+/// Collapses, flips and moves round the triangles whose least angle has a squared sine below
+/// `wanted`, each time only if the least angle there grows. \return triangles that stay below.
+std::uint32_t repair(PatchMesh& mesh, const RemeshGoal& goal, float wanted, int passes);
+
+/// Gives a point the field's normal and on_field, or on_field = false and the normal that it has:
+/// where the zero set is too far, its gradient too small, or its normal too far from the point's.
+void take_normal(const FieldView& field, SurfacePoint& point);
+
+/// Puts a point near the surface onto it, with the normal and the size there. False where the field
+/// gives no place of use within `reach` that faces as the point does; the point then stays.
+bool put_onto_surface(const RemeshGoal& goal, float reach, SurfacePoint& point);
+
+}  // namespace vasamesh

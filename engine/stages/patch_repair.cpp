@@ -1,0 +1,242 @@
+/// Repair of the worst triangles.
+
+#include <optional>
+#include <vector>
+
+#include "stages/compass.h"
+#include "stages/patch_clearance.h"
+#include "stages/patch_passes.h"
+#include "stages/patch_rules.h"
+
+namespace vasamesh {
+
+namespace {
+
+constexpr float kReach = 0.3f;  // voxel lengths that the projection may move a vertex
+constexpr float kGain = 1.01f;  // the least by which a squared sine must grow
+constexpr float kInflation = 0.1f;
+constexpr int kRelaxations = 6;
+constexpr float kShrink = 0.5f, kGrow = -0.52f;  // of the way to the mean of the neighbours
+constexpr float kMostRelaxed = 0.3f;  // voxel lengths from where a vertex was
+
+float quality_of(const PatchMesh& mesh, std::uint32_t h) {
+  return triangle_quality(mesh.points[mesh.origin(h)], mesh.points[mesh.target(h)],
+                          mesh.points[mesh.apex(h)], kLeastFacingInRepair);
+}
+
+class Repair {
+ public:
+  Repair(PatchMesh& mesh, const RemeshGoal& goal) : mesh_(mesh), goal_(goal), clearance_(mesh) {}
+
+  /// One try at a triangle: its longest edge turned, its shortest away, its corners moved.
+  void repair_triangle(std::uint32_t first) {
+    std::uint32_t shortest = first, longest = first;
+    float least = length_of(first), most = least;
+    for (std::uint32_t h = first + 1; h < first + 3; ++h) {
+      const float length = length_of(h);
+      if (length < least) least = length, shortest = h;
+      if (length > most) most = length, longest = h;
+    }
+    const std::uint32_t corners[3] = {mesh_.apex(longest), mesh_.origin(longest),
+                                      mesh_.target(longest)};
+    if (try_flip(longest) || try_collapse(shortest)) return;
+    for (std::uint32_t v : corners) try_move(v);
+  }
+
+  void relax(float wanted);
+
+ private:
+  static float quality(const SurfacePoint& a, const SurfacePoint& b, const SurfacePoint& c) {
+    return triangle_quality(a, b, c, kLeastFacingInRepair);
+  }
+  float length_of(std::uint32_t h) const {
+    return squared_norm(mesh_.points[mesh_.target(h)].position -
+                        mesh_.points[mesh_.origin(h)].position);
+  }
+  float fan_of(std::uint32_t v, const SurfacePoint& point) const {
+    return fan_quality(mesh_, v, point, kLeastFacingInRepair);
+  }
+
+  std::vector<std::uint32_t> vertices_near_bad(float wanted) const;
+  bool try_flip(std::uint32_t h);
+  bool try_collapse(std::uint32_t h);
+  bool try_move(std::uint32_t v);
+  float merged_quality(std::uint32_t gone, std::uint32_t kept) const;
+  void take_fan(std::uint32_t v, std::uint32_t point);
+
+  PatchMesh& mesh_;
+  const RemeshGoal& goal_;
+  Clearance clearance_;
+  int relaxations_ = 0;
+  std::vector<std::uint32_t> gone_;
+  std::vector<Clearance::Corners> made_;
+};
+
+bool Repair::try_flip(std::uint32_t h) {
+  const std::uint32_t t = mesh_.twin(h);
+  if (t == PatchMesh::kNone || !mesh_.may_flip(h)) return false;
+  const std::uint32_t p = mesh_.origin(h), q = mesh_.target(h), c = mesh_.apex(h),
+                      d = mesh_.apex(t);
+  const float before = std::min(quality_of(mesh_, h), quality_of(mesh_, t));
+  const float after = std::min(quality(mesh_.points[d], mesh_.points[c], mesh_.points[p]),
+                               quality(mesh_.points[c], mesh_.points[d], mesh_.points[q]));
+  if (!(after > kGain * before) || !(after > before)) return false;
+  const std::uint32_t gone[2] = {h, t};
+  const Clearance::Corners made[2] = {{d, c, p}, {c, d, q}};
+  if (!clearance_.is_clear(mesh_, gone, made)) return false;
+  mesh_.flip(h);
+  for (std::uint32_t g : gone) clearance_.take_up(mesh_, g);
+  return true;
+}
+
+/// The least quality of the fan of `gone` once merged into `kept`; -2 where a triangle turns away.
+float Repair::merged_quality(std::uint32_t gone, std::uint32_t kept) const {
+  float least = 1;
+  mesh_.for_each_out(gone, [&](std::uint32_t h) {
+    const std::uint32_t b = mesh_.target(h), c = mesh_.apex(h);
+    if (b == kept || c == kept) return;
+    least = std::min(least, quality(mesh_.points[kept], mesh_.points[b], mesh_.points[c]));
+    if (!may_replace(mesh_.points[gone], mesh_.points[kept], mesh_.points[b], mesh_.points[c], 0,
+                     kLeastFacingInRepair))
+      least = -2;
+  });
+  return least;
+}
+
+/// The fan of `v` and its triangles with `point` for v, without those that have both of them.
+void Repair::take_fan(std::uint32_t v, std::uint32_t point) {
+  gone_.clear();
+  made_.clear();
+  mesh_.for_each_out(v, [&](std::uint32_t h) {
+    const std::uint32_t b = mesh_.target(h), c = mesh_.apex(h);
+    gone_.push_back(h);
+    if (b != point && c != point) made_.push_back({point, b, c});
+  });
+}
+
+bool Repair::try_collapse(std::uint32_t h) {
+  const std::uint32_t ends[2] = {mesh_.origin(h), mesh_.target(h)};
+  for (int i = 0; i < 2; ++i) {
+    const std::uint32_t gone = ends[i], kept = ends[1 - i];
+    if (!mesh_.is_whole(gone) || !mesh_.is_whole(kept)) continue;
+    const float before = fan_of(gone, mesh_.points[gone]);
+    const float after = merged_quality(gone, kept);
+    if (!(after > kGain * before) || !(after > before)) continue;
+    if (!mesh_.may_collapse(h, gone, kept)) continue;
+    take_fan(gone, kept);
+    if (!clearance_.is_clear(mesh_, gone_, made_)) continue;
+    mesh_.collapse(h, gone, kept);
+    for (std::uint32_t g : gone_)
+      if (mesh_.is_edge(g)) clearance_.take_up(mesh_, g);
+    return true;
+  }
+  return false;
+}
+
+/// Compass search for the place of v with the best fan.
+bool Repair::try_move(std::uint32_t v) {
+  if (!mesh_.is_inner(v)) return false;
+  const SurfacePoint old = mesh_.points[v];
+  SurfacePoint place = old;
+  const float before = fan_of(v, old);
+  float best = before;
+  for (float step = 0.2f; step > 0.02f;) {
+    const SurfacePoint from = place;
+    const auto [u, w] = tangents(from.normal);
+    const auto consider = [&](const Vec3& direction) {
+      SurfacePoint point = from;
+      point.position = from.position + (step * from.size) * direction;
+      if (!(fan_of(v, point) > best)) return;
+      if (from.on_field && !put_onto_surface(goal_, kReach, point)) return;
+      const float found = fan_of(v, point);
+      if (!(found > best + 1e-4f) || !may_move(mesh_, v, point, 0, kLeastFacingInRepair)) return;
+      best = found;
+      place = point;
+    };
+    for (const auto& [cosine, sine] : kCompass) consider(cosine * u + sine * w);
+    if (!from.on_field) {
+      consider(0.5f * from.normal);
+      consider(-0.5f * from.normal);
+    }
+    if (place.position == from.position) step *= 0.5f;
+  }
+  return best > before && clearance_.move_if_clear(mesh_, v, place);
+}
+
+/// Whole inner vertices within two edges of the triangles that are worse than `wanted`.
+std::vector<std::uint32_t> Repair::vertices_near_bad(float wanted) const {
+  std::vector<std::uint8_t> near(mesh_.vertex_count(), 0);
+  for (std::uint32_t t = 0; t < mesh_.half_edge_end(); t += 4)
+    if (mesh_.is_edge(t) && quality_of(mesh_, t) < wanted)
+      for (std::uint32_t h = t; h < t + 3; ++h) near[mesh_.origin(h)] = 1;
+  for (std::uint8_t ring = 1; ring <= 2; ++ring)
+    for (std::uint32_t v = 0; v < mesh_.vertex_count(); ++v) {
+      if (near[v] != ring || !mesh_.is_whole(v)) continue;
+      mesh_.for_each_out(v, [&](std::uint32_t h) {
+        for (std::uint32_t w : {mesh_.target(h), mesh_.apex(h)})
+          if (!near[w]) near[w] = ring + 1;
+      });
+    }
+  std::vector<std::uint32_t> vertices;
+  for (std::uint32_t v = 0; v < mesh_.vertex_count(); ++v)
+    if (near[v] && mesh_.is_there(v) && mesh_.is_inner(v)) vertices.push_back(v);
+  return vertices;
+}
+
+/// Smooths the places of the worst triangles as a membrane, off the field, where nothing comes to
+/// meet: they lie where the surface is crumpled at the scale of its edges.
+void Repair::relax(float wanted) {
+  const std::vector<std::uint32_t> vertices = vertices_near_bad(wanted);
+  std::vector<Vec3> start;
+  for (std::uint32_t v : vertices) start.push_back(mesh_.points[v].position);
+  const float inflation = relaxations_++ % 3 == 2 ? -kInflation : kInflation;
+  for (std::uint32_t v : vertices) {
+    SurfacePoint point = mesh_.points[v];
+    point.normal = fan_normal(mesh_, v);
+    point.position = point.position + inflation * point.normal;
+    clearance_.move_if_clear(mesh_, v, point);
+  }
+  for (int pass = 0; pass < kRelaxations; ++pass)
+    for (std::size_t i = 0; i < vertices.size(); ++i) {
+      SurfacePoint point = mesh_.points[vertices[i]];
+      Vec3 sum;
+      float count = 0;
+      mesh_.for_each_out(vertices[i], [&](std::uint32_t h) {
+        sum = sum + mesh_.points[mesh_.target(h)].position;
+        ++count;
+      });
+      const float part = pass % 2 == 0 ? kShrink : kGrow;
+      point.position = point.position + part * ((1 / count) * sum - point.position);
+      if (squared_norm(point.position - start[i]) > kMostRelaxed * kMostRelaxed) continue;
+      clearance_.move_if_clear(mesh_, vertices[i], point);
+    }
+  for (std::uint32_t v : vertices) {
+    mesh_.points[v].on_field = false;
+    mesh_.points[v].normal = fan_normal(mesh_, v);
+  }
+}
+
+}  // namespace
+
+std::uint32_t repair(PatchMesh& mesh, const RemeshGoal& goal, float wanted, int passes) {
+  constexpr int kPassesBetween = 4;  // relaxations
+  std::optional<Repair> work;
+  for (int pass = 0;; ++pass) {
+    std::uint32_t left = 0;
+    float worst = 1;
+    for (std::uint32_t t = 0; t < mesh.half_edge_end(); t += 4) {
+      if (!mesh.is_edge(t) || quality_of(mesh, t) >= wanted) continue;
+      ++left;
+      worst = std::min(worst, quality_of(mesh, t));
+      if (pass == passes) continue;
+      if (!work) work.emplace(mesh, goal);
+      work->repair_triangle(t);
+    }
+    if (left == 0 || pass == passes) return left;
+    if (pass % kPassesBetween != kPassesBetween - 1) continue;
+    if (worst >= kSine20) return left;
+    work->relax(std::min(wanted, kSine20));
+  }
+}
+
+}  // namespace vasamesh

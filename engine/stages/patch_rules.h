@@ -1,0 +1,118 @@
+#pragma once
+
+/// \file
+/// What a triangle and an edge of a surface that is being remeshed must be like, whatever operation
+/// makes them.
+
+#include <algorithm>
+#include <cmath>
+
+#include "stages/patch_mesh.h"
+#include "types/vec3.h"
+
+namespace vasamesh {
+
+/// Squares of sines of angles.
+inline constexpr float kSine10 = 0.030154f, kSine15 = 0.066987f, kSine20 = 0.116978f,
+                       kSine25 = 0.178606f, kSine30 = 0.25f, kSine35 = 0.328990f;
+
+/// Least cosine of the angle between a triangle and the surface at its corners.
+inline constexpr float kLeastFacing = 0.5f;
+/// The same for repairs.
+inline constexpr float kLeastFacingInRepair = 0.25f;
+
+/// Largest cosine of the angle between an edge and the normals at its ends: more than five edges
+/// round a circle, and a chord less than a sixth of its length from the arc.
+inline constexpr float kMostSlope = 0.62f;
+
+/// Squared sine of a triangle's least angle, from its squared edge lengths and the squared norm of
+/// the cross product of two of its edges. 0 for a degenerate triangle.
+inline float least_sine(float a, float b, float c, float doubled_area) {
+  const float longest_two = std::max({a * b, b * c, c * a});
+  return longest_two > 0 ? doubled_area / longest_two : 0.0f;
+}
+
+/// Squared sine of the triangle's least angle. Where it does not face as the surface at one of its
+/// corners does (kLeastFacing), the cosine between them minus 1: below -0.5, the worse the lower.
+inline float triangle_quality(const SurfacePoint& a, const SurfacePoint& b, const SurfacePoint& c,
+                              float least_facing = kLeastFacing) {
+  const Vec3 ab = b.position - a.position, bc = c.position - b.position,
+             ca = a.position - c.position;
+  const Vec3 normal = cross(ab, bc);
+  const float area = squared_norm(normal);
+  const float facing =
+      std::min({dot(normal, a.normal), dot(normal, b.normal), dot(normal, c.normal)});
+  if (!(facing > 0 && facing * facing >= least_facing * least_facing * area))
+    return area > 0 ? facing / std::sqrt(area) - 1 : -2;
+  return least_sine(squared_norm(ab), squared_norm(bc), squared_norm(ca), area);
+}
+
+/// Whether the edge between two points follows the surface.
+inline bool edge_follows(const SurfacePoint& a, const SurfacePoint& b) {
+  const Vec3 edge = b.position - a.position;
+  const float bound = kMostSlope * kMostSlope * squared_norm(edge);
+  const float at_a = dot(edge, a.normal), at_b = dot(edge, b.normal);
+  return at_a * at_a <= bound && at_b * at_b <= bound;
+}
+
+/// Squared length over the squared mean of the sizes at the ends.
+inline float relative_length(const SurfacePoint& a, const SurfacePoint& b) {
+  const float size = 0.5f * (a.size + b.size);
+  return squared_norm(b.position - a.position) / (size * size);
+}
+
+/// The mean normal of the triangles round a whole vertex, by area.
+inline Vec3 fan_normal(const PatchMesh& mesh, std::uint32_t v) {
+  Vec3 sum;
+  const Vec3& p = mesh.points[v].position;
+  mesh.for_each_out(v, [&](std::uint32_t h) {
+    sum = sum + cross(mesh.points[mesh.target(h)].position - p,
+                      mesh.points[mesh.apex(h)].position - p);
+  });
+  return normalised(sum);
+}
+
+/// The least quality of the triangles round a whole vertex with `point` in its place.
+inline float fan_quality(const PatchMesh& mesh, std::uint32_t v, const SurfacePoint& point,
+                         float least_facing = kLeastFacing) {
+  float least = 1;
+  mesh.for_each_out(v, [&](std::uint32_t h) {
+    least = std::min(least, triangle_quality(point, mesh.points[mesh.target(h)],
+                                             mesh.points[mesh.apex(h)], least_facing));
+  });
+  return least;
+}
+
+/// The least quality of the triangles round a whole vertex that face as the surface does.
+inline float facing_fan_quality(const PatchMesh& mesh, std::uint32_t v) {
+  float least = 1;
+  mesh.for_each_out(v, [&](std::uint32_t h) {
+    const float quality =
+        triangle_quality(mesh.points[v], mesh.points[mesh.target(h)], mesh.points[mesh.apex(h)]);
+    if (quality >= 0) least = std::min(least, quality);
+  });
+  return least;
+}
+
+/// Whether `point` may take the place of `old` in a triangle with b and c: the quality is `limit`
+/// or more, or the triangle faces wrongly already and comes to face less so.
+inline bool may_replace(const SurfacePoint& old, const SurfacePoint& point, const SurfacePoint& b,
+                        const SurfacePoint& c, float limit, float least_facing = kLeastFacing) {
+  const float quality = triangle_quality(point, b, c, least_facing);
+  if (quality >= limit) return true;
+  const float before = triangle_quality(old, b, c, least_facing);
+  return before < 0 && quality >= before;
+}
+
+/// Whether `point` may take the place of the whole vertex v in all of its triangles.
+inline bool may_move(const PatchMesh& mesh, std::uint32_t v, const SurfacePoint& point,
+                     float limit, float least_facing = kLeastFacing) {
+  bool good = true;
+  mesh.for_each_out(v, [&](std::uint32_t h) {
+    good = good && may_replace(mesh.points[v], point, mesh.points[mesh.target(h)],
+                               mesh.points[mesh.apex(h)], limit, least_facing);
+  });
+  return good;
+}
+
+}  // namespace vasamesh

@@ -1,0 +1,126 @@
+#include "stages/remesh.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "stages/finish.h"
+#include "stages/patch_blocks.h"
+#include "stages/patch_passes.h"
+#include "stages/patch_rules.h"
+#include "stages/triangle_tree.h"
+
+namespace vasamesh {
+
+namespace {
+
+constexpr float kFineBlock = 16, kBlock = 32;  // voxel lengths
+constexpr int kRounds = 5;
+constexpr int kRepairedRounds = 2;  // the last ones
+
+/// A vertex removed is one that the next rounds need not look at: from the shortest edges up.
+constexpr float kCoarsening[] = {0.3f, 0.5f, 0.7f, kShortest};
+
+/// Points within places where the input stays.
+void fix_places(const RemeshGoal& goal, WorkingSurface& surface) {
+  const bool any = std::any_of(goal.places.begin(), goal.places.end(),
+                               [](const CarefulPlace& place) { return place.factor == 0; });
+  if (!any) return;
+  surface.fixed.resize(surface.points.size());
+  for (std::size_t v = 0; v < surface.points.size(); ++v)
+    surface.fixed[v] = goal.size_at(surface.points[v].position) == 0;
+}
+
+/// Rounds of split, collapse, flip and smooth; the last `repaired` of them repair as well.
+void run_rounds(Backend& backend, const RemeshGoal& goal, int rounds, int repaired,
+                WorkingSurface& surface) {
+  for (int round = 0; round < rounds; ++round)
+    for_each_block(backend, {kBlock, 0.2f * static_cast<float>(round)}, surface,
+                   [&](PatchMesh& part) {
+                     if (!goal.wants(part)) return;
+                     split_long_edges(part, goal, kLongest);
+                     collapse_short_edges(part, kShortest, kLongest);
+                     flip_to_valence(part, 3);
+                     smooth(part, goal, 2);
+                     if (round >= rounds - repaired) repair(part, goal, kSine20, 4);
+                   });
+}
+
+/// The surface from its base, as far as the places allow.
+WorkingSurface remesh_base(Backend& backend, const RemeshGoal& goal, const TriangleMesh& mesh) {
+  WorkingSurface surface = make_working_surface(backend, goal, mesh);
+  fix_places(goal, surface);
+  for_each_block(backend, {kFineBlock, 0.5f}, surface, [](PatchMesh& part) {
+    for (float shortest : kCoarsening) collapse_short_edges(part, shortest, kLongest);
+  });
+  run_rounds(backend, goal, kRounds, kRepairedRounds, surface);
+  finish(backend, goal, surface);
+  return surface;
+}
+
+/// Remeshes the places alone, once more, to their shorter edges.
+void remesh_places(Backend& backend, const RemeshGoal& goal, WorkingSurface& surface) {
+  for (SurfacePoint& point : surface.points)
+    if (goal.is_careful(point.position)) point.size = goal.size_at(point.position);
+  run_rounds(backend, goal, 2, 2, surface);
+  finish(backend, goal, surface);
+}
+
+std::int64_t count_pairs(Backend& backend, const TriangleMesh& mesh,
+                         std::vector<TrianglePair>& pairs) {
+  Intersections found =
+      find_intersections(backend, mesh, build_triangle_tree(backend, mesh));
+  pairs = std::move(found.pairs);
+  return found.count;
+}
+
+}  // namespace
+
+TriangleMesh remesh(Backend& backend, const FieldView& field, const SizeView& sizes,
+                    const TriangleMesh& mesh, std::span<const CarefulPlace> places) {
+  return make_mesh(remesh_base(backend, {field, sizes, places, false}, mesh));
+}
+
+std::vector<CarefulPlace> places_of(const TriangleMesh& mesh, std::span<const TrianglePair> pairs,
+                                    float radius, float factor) {
+  std::vector<CarefulPlace> places;
+  for (const TrianglePair& pair : pairs) {
+    Vec3 centre;
+    for (std::uint32_t t : {pair.first, pair.second})
+      for (int i = 0; i < 3; ++i) {
+        const float* p = mesh.vertices.data() + 3 * std::size_t{mesh.triangles[3 * t + i]};
+        centre = centre + (1.0f / 6) * Vec3{p[0], p[1], p[2]};
+      }
+    bool covered = false;
+    for (const CarefulPlace& place : places)
+      covered |= squared_norm(centre - place.centre) < 0.25f * radius * radius;
+    if (!covered) places.push_back({centre, radius, factor});
+  }
+  return places;
+}
+
+ProvenSurface remesh_proven(Backend& backend, const FieldView& field, const SizeView& sizes,
+                            const TriangleMesh& mesh) {
+  struct Attempt {
+    float radius, factor;
+  };
+  constexpr Attempt kAttempts[] = {{2, 0.6f}, {3, 0.4f}, {3, 0.25f}, {3, 0}, {6, 0}};
+  ProvenSurface result;
+  std::vector<TrianglePair> pairs;
+  WorkingSurface surface = remesh_base(backend, {field, sizes, {}, false}, mesh);
+  result.mesh = make_mesh(surface);
+  result.intersecting_pairs = count_pairs(backend, result.mesh, pairs);
+  for (const Attempt& attempt : kAttempts) {
+    if (result.intersecting_pairs == 0) return result;
+    for (const CarefulPlace& place : places_of(result.mesh, pairs, attempt.radius, attempt.factor))
+      result.places.push_back(place);
+    if (attempt.factor > 0)
+      remesh_places(backend, {field, sizes, result.places, true}, surface);
+    else
+      surface = remesh_base(backend, {field, sizes, result.places, false}, mesh);
+    result.mesh = make_mesh(surface);
+    result.intersecting_pairs = count_pairs(backend, result.mesh, pairs);
+  }
+  return result;
+}
+
+}  // namespace vasamesh

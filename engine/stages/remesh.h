@@ -1,0 +1,49 @@
+#pragma once
+
+/// \file
+/// Adaptive remeshing: a surface of any triangles becomes one whose edges have the lengths that are
+/// asked for and whose triangles are close to equilateral, of the same topology by construction.
+/// Rounds of splits, collapses, flips and tangential smoothing, each block of the surface by a task
+/// of its own (patch_blocks.h); then moves towards equal edges and repair of the worst triangles.
+///
+/// Botsch, Kobbelt: A remeshing approach to multiresolution modeling, 2004; Dunyach, Vanderhaeghe,
+/// Barthe, Botsch: Adaptive remeshing for real-time mesh deformation, 2013.
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "backend/backend.h"
+#include "stages/intersect.h"
+#include "stages/patch_passes.h"
+#include "types/indicator_field.h"
+#include "types/sizes.h"
+#include "vasamesh/types.h"
+
+namespace vasamesh {
+
+/// Remeshes a closed surface or one with borders, in voxel lengths, to about the number of
+/// triangles that its area and the sizes ask for. Vertices come onto the field's zero set where it
+/// is near; borders stay on their lines and keep six edges or more.
+/// \param mesh  manifold, without degenerate triangles, counter-clockwise from outside.
+/// \param places  may overlap: the least factor counts.
+TriangleMesh remesh(Backend& backend, const FieldView& field, const SizeView& sizes,
+                    const TriangleMesh& mesh, std::span<const CarefulPlace> places = {});
+
+/// A surface without self-intersections, and what that took.
+struct ProvenSurface {
+  TriangleMesh mesh;
+  std::vector<CarefulPlace> places;  ///< where edges had to be shorter or the input stayed
+  std::int64_t intersecting_pairs = 0;  ///< left; 0 unless the input has some
+};
+
+/// remesh(), then again with shorter edges round the triangles that intersect, and at last with the
+/// input as it was there. \param mesh  as for remesh(), and free of self-intersections.
+ProvenSurface remesh_proven(Backend& backend, const FieldView& field, const SizeView& sizes,
+                            const TriangleMesh& mesh);
+
+/// Balls round the pairs: one for each pair whose place no ball before it covers.
+std::vector<CarefulPlace> places_of(const TriangleMesh& mesh, std::span<const TrianglePair> pairs,
+                                    float radius, float factor);
+
+}  // namespace vasamesh

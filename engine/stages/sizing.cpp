@@ -1,0 +1,274 @@
+#include "stages/sizing.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+namespace vasamesh {
+
+namespace {
+
+constexpr std::size_t kCells = 64;        // size cells a brick
+constexpr std::size_t kSampleGrain = 64;  // samples a task takes
+constexpr std::size_t kTriangleGrain = 8192;
+constexpr float kRing = 1.0f;   // distance at which normals are compared
+constexpr float kReach = 0.5f;  // how far a base vertex may be from the zero set
+constexpr float kLargestRadius = 1e6f;
+constexpr float kFarthest = 32;  // lengths that a size is carried at most
+constexpr int kSteps = 6;        // Newton steps
+constexpr std::uint32_t kNoVertex = 0xffffffffu;
+
+Vec3 vertex_at(const TriangleMesh& mesh, std::size_t v) {
+  return {mesh.vertices[3 * v], mesh.vertices[3 * v + 1], mesh.vertices[3 * v + 2]};
+}
+
+/// The size cell of a point, or no cell (the number of cells) where there is no brick.
+std::size_t size_cell(const FieldView& field, const Vec3& p) {
+  const std::size_t none = field.coefficients.size / kBrickCells * kCells;
+  const float at[3] = {p.x * field.inverse_step[0], p.y * field.inverse_step[1],
+                       p.z * field.inverse_step[2]};
+  int node[3];
+  for (int i = 0; i < 3; ++i) {
+    if (!(at[i] >= 0 && at[i] < static_cast<float>(8 * field.grid[i]))) return none;
+    node[i] = static_cast<int>(at[i]);
+  }
+  const std::int32_t brick =
+      field.brick_at[field.cell_of({node[0] >> 3, node[1] >> 3, node[2] >> 3})];
+  if (brick == kNoBrick) return none;
+  return kCells * static_cast<std::size_t>(brick) +
+         static_cast<std::size_t>((node[0] >> 1 & 3) + 4 * (node[1] >> 1 & 3) +
+                                  16 * (node[2] >> 1 & 3));
+}
+
+/// The first base vertex of each cell, not yet on the zero set.
+SurfaceSamples first_vertices(const FieldView& field, const TriangleMesh& surface) {
+  const std::size_t cells = field.coefficients.size / kBrickCells * kCells;
+  std::vector<std::uint32_t> first(cells + 1, kNoVertex);
+  for (std::size_t v = surface.vertex_count(); v-- > 0;)
+    first[size_cell(field, vertex_at(surface, v))] = static_cast<std::uint32_t>(v);
+  SurfaceSamples samples;
+  for (std::size_t cell = 0; cell < cells; ++cell) {
+    if (first[cell] == kNoVertex) continue;
+    samples.cell.push_back(static_cast<std::uint32_t>(cell));
+    samples.position.push_back(vertex_at(surface, first[cell]));
+  }
+  samples.normal.resize(samples.count());
+  samples.radius.resize(samples.count());
+  return samples;
+}
+
+void settle(const FieldView& field, SurfaceSamples& samples, std::size_t i) {
+  Vec3 p = samples.position[i];
+  const FieldSample at = project_to_surface(field, kReach, kSteps, p);
+  if (!at.known) return;
+  samples.position[i] = p;
+  samples.normal[i] = -normalised(at.gradient);
+  samples.radius[i] = radius_of_curvature(field, p, samples.normal[i]);
+}
+
+float size_for(const SizeRule& rule, float radius) {
+  if (!(radius > 0)) return rule.edge_min;
+  const float wanted = std::clamp(rule.rho * radius, rule.edge_min, rule.edge_max);
+  return std::min(wanted, 1.25f * radius);
+}
+
+/// The values of a brick and of the cells round it.
+struct SizeHalo {
+  /// \param near  the brick's entries of the neighbour table.
+  SizeHalo(const std::int32_t* near, const float* values, float outside) {
+    const float* brick[27];
+    for (int n = 0; n < 27; ++n)
+      brick[n] =
+          near[n] == kNoBrick ? nullptr : values + kCells * static_cast<std::size_t>(near[n]);
+    for (int z = 0; z < 6; ++z)
+      for (int y = 0; y < 6; ++y) {
+        const float* const* row = brick + 3 * ((y + 3) >> 2) + 9 * ((z + 3) >> 2);
+        const int first = 4 * (((y + 3) & 3) + 4 * ((z + 3) & 3));
+        float* to = value[z][y];
+        to[0] = row[0] ? row[0][first + 3] : outside;
+        for (int x = 0; x < 4; ++x) to[x + 1] = row[1] ? row[1][first + x] : outside;
+        to[5] = row[2] ? row[2][first] : outside;
+      }
+  }
+
+  float value[6][6][8];  ///< z, y, x, each from one cell before the brick's first
+};
+
+/// What a step to each of the 27 neighbours costs.
+struct StepCosts {
+  StepCosts(const Scale& voxel, float growth) {
+    for (int n = 0; n < 27; ++n) {
+      const float x = voxel[0] * static_cast<float>(n % 3 - 1);
+      const float y = voxel[1] * static_cast<float>(n / 3 % 3 - 1);
+      const float z = voxel[2] * static_cast<float>(n / 9 - 1);
+      cost[n] = growth * norm({x, y, z});
+    }
+  }
+  float cost[27];
+};
+
+void relax(const SizeHalo& halo, const StepCosts& steps, float* out) {
+  float least[kCells];
+  std::fill_n(least, kCells, kLargestRadius);
+  for (int n = 0; n < 27; ++n)
+    for (int row = 0; row < 16; ++row) {
+      const float* from = &halo.value[row / 4 + n / 9][row % 4 + n / 3 % 3][n % 3];
+      float* to = &least[4 * row];
+      for (int x = 0; x < 4; ++x) {
+        const float there = from[x] + steps.cost[n];
+        to[x] = there < to[x] ? there : to[x];
+      }
+    }
+  std::copy_n(least, kCells, out);
+}
+
+/// Whether a brick or one round it is flagged.
+bool any_of(const std::int32_t* near, const std::vector<std::uint8_t>& flags) {
+  for (int n = 0; n < 27; ++n)
+    if (near[n] != kNoBrick && flags[static_cast<std::size_t>(near[n])]) return true;
+  return false;
+}
+
+/// The mean curvature over a cell and those round it that the surface passes; `none` elsewhere.
+void average(const SizeHalo& halo, float none, float* out) {
+  for (int z = 0; z < 4; ++z)
+    for (int y = 0; y < 4; ++y)
+      for (int x = 0; x < 4; ++x, ++out) {
+        if (*out == none) continue;
+        float sum = 0, count = 0;
+        for (int n = 0; n < 27; ++n) {
+          const float value = halo.value[z + n / 9][y + n / 3 % 3][x + n % 3];
+          if (value == none) continue;
+          sum += value;
+          count += 1;
+        }
+        *out = sum / count;
+      }
+}
+
+/// Each radius of curvature becomes that of the mean curvature round it.
+void smooth_radii(Backend& backend, const IndicatorField& field, SurfaceSamples& samples) {
+  constexpr float kNoValue = -1;
+  constexpr std::size_t kGrain = 32;
+  const std::int32_t* near = field.neighbours.view().data();
+  const std::size_t bricks = field.brick_count();
+  std::vector<float> curvature(bricks * kCells, kNoValue);
+  for (std::size_t i = 0; i < samples.count(); ++i)
+    if (samples.radius[i] > 0) curvature[samples.cell[i]] = 1 / samples.radius[i];
+  std::vector<float> smooth = curvature;
+  backend.run((bricks + kGrain - 1) / kGrain, [&](std::size_t task) {
+    const std::size_t end = std::min((task + 1) * kGrain, bricks);
+    for (std::size_t b = task * kGrain; b < end; ++b)
+      average(SizeHalo(near + 27 * b, curvature.data(), kNoValue), kNoValue, &smooth[kCells * b]);
+  });
+  for (std::size_t i = 0; i < samples.count(); ++i)
+    if (samples.radius[i] > 0) samples.radius[i] = 1 / smooth[samples.cell[i]];
+}
+
+/// Sum over the triangles of their area over that of an equilateral one of the size there.
+double predict_triangles(Backend& backend, const SizeView& sizes, const TriangleMesh& surface) {
+  const std::size_t count = surface.triangle_count();
+  std::vector<double> sums((count + kTriangleGrain - 1) / kTriangleGrain, 0.0);
+  backend.run(sums.size(), [&](std::size_t task) {
+    const std::size_t end = std::min((task + 1) * kTriangleGrain, count);
+    double sum = 0;
+    for (std::size_t t = task * kTriangleGrain; t < end; ++t) {
+      const Vec3 a = vertex_at(surface, surface.triangles[3 * t]);
+      const Vec3 b = vertex_at(surface, surface.triangles[3 * t + 1]);
+      const Vec3 c = vertex_at(surface, surface.triangles[3 * t + 2]);
+      const float h = size_at(sizes, a);
+      sum += 0.5f * norm(cross(b - a, c - a)) / (0.4330127f * (h * h));
+    }
+    sums[task] = sum;
+  });
+  double total = 0;
+  for (const double sum : sums) total += sum;
+  return total;
+}
+
+/// The square of d / (2 sin(theta / 2)) towards p + step; 0 where no surface is found.
+float squared_radius(const FieldView& field, const Vec3& p, const Vec3& normal, const Vec3& step) {
+  Vec3 q = p + step;
+  const FieldSample at = project_to_surface(field, norm(step), kSteps, q);
+  if (!at.known) return 0;
+  const float turned = squared_norm(normal + normalised(at.gradient));
+  return squared_norm(q - p) / std::max(turned, 1e-12f);
+}
+
+}  // namespace
+
+float radius_of_curvature(const FieldView& field, const Vec3& p, const Vec3& normal) {
+  constexpr float kHalf = 0.5f, kSine = 0.8660254f;
+  constexpr float kDirections[6][2] = {{1, 0},  {kHalf, kSine},   {-kHalf, kSine},
+                                       {-1, 0}, {-kHalf, -kSine}, {kHalf, -kSine}};
+  const Vec3 u = any_tangent(normal), v = cross(normal, u);
+  float least = kLargestRadius * kLargestRadius;
+  for (const auto& direction : kDirections) {
+    const Vec3 along = direction[0] * u + direction[1] * v;
+    const float squared =
+        std::min(squared_radius(field, p, normal, kRing * along), kLargestRadius * kLargestRadius);
+    least = std::min(
+        least, squared > 0 ? squared : squared_radius(field, p, normal, 0.5f * kRing * along));
+  }
+  return std::sqrt(least);
+}
+
+void grow_limited(Backend& backend, const IndicatorField& field, float growth, float reach,
+                  Buffer<float>& values) {
+  const Scale voxel = {2 * field.step[0], 2 * field.step[1], 2 * field.step[2]};
+  const StepCosts steps(voxel, growth);
+  const std::int32_t* near = field.neighbours.view().data();
+  const std::size_t bricks = field.brick_count();
+  const auto passes = static_cast<int>(std::ceil(reach / std::min({voxel[0], voxel[1], voxel[2]})));
+  constexpr std::size_t kGrain = 32;
+  Buffer<float> next(backend, values.size());
+  std::vector<std::uint8_t> changed(bricks, 1), changes(bricks);
+  for (int pass = 0; pass < passes; ++pass) {
+    const float* from = values.view().data();
+    float* to = next.view().data();
+    backend.run((bricks + kGrain - 1) / kGrain, [&](std::size_t task) {
+      const std::size_t end = std::min((task + 1) * kGrain, bricks);
+      for (std::size_t b = task * kGrain; b < end; ++b) {
+        const float* own = from + kCells * b;
+        if (any_of(near + 27 * b, changed))
+          relax(SizeHalo(near + 27 * b, from, kLargestRadius), steps, to + kCells * b);
+        else
+          std::copy_n(own, kCells, to + kCells * b);
+        changes[b] = !std::equal(own, own + kCells, to + kCells * b);
+      }
+    });
+    std::swap(values, next);
+    std::swap(changed, changes);
+  }
+}
+
+SizeField make_sizes(Backend& backend, const IndicatorField& field, const TriangleMesh& surface,
+                     const SizeRule& rule) {
+  const FieldView view = field.view();
+  SizeField result;
+  result.largest = rule.edge_max;
+  result.samples = first_vertices(view, surface);
+  const std::size_t count = result.samples.count();
+  backend.run((count + kSampleGrain - 1) / kSampleGrain, [&](std::size_t task) {
+    const std::size_t end = std::min((task + 1) * kSampleGrain, count);
+    for (std::size_t i = task * kSampleGrain; i < end; ++i) settle(view, result.samples, i);
+  });
+
+  smooth_radii(backend, field, result.samples);
+  result.sizes = Buffer<float>(backend, view.coefficients.size / kBrickCells * kCells);
+  float* sizes = result.sizes.view().data();
+  std::fill_n(sizes, result.sizes.size(), rule.edge_max);
+  float least = rule.edge_max;
+  for (std::size_t i = 0; i < count; ++i) {
+    const float size = size_for(rule, result.samples.radius[i]);
+    sizes[result.samples.cell[i]] = size;
+    least = std::min(least, size);
+  }
+  const float reach = std::min((rule.edge_max - least) / rule.gradation, kFarthest);
+  grow_limited(backend, field, rule.gradation, reach, result.sizes);
+  result.predicted_triangles = predict_triangles(backend, result.view(field), surface);
+  return result;
+}
+
+}  // namespace vasamesh

@@ -1,0 +1,65 @@
+#pragma once
+
+/// \file
+/// How long edges are to be, from the radius of curvature (eq. 5 of the paper):
+/// h(p) = min over q of (min(clamp(rho r(q), edge_min, edge_max), 1.25 r(q)) + gradation |p - q|).
+///
+/// Sizes lie in the bricks of the indicator field at voxel resolution: 4 x 4 x 4 cells a brick.
+/// Radii are taken once for each such cell that the base surface passes.
+
+#include <cstdint>
+#include <vector>
+
+#include "backend/backend.h"
+#include "stages/field.h"
+#include "types/sizes.h"
+#include "types/vec3.h"
+#include "vasamesh/parameters.h"
+#include "vasamesh/types.h"
+
+namespace vasamesh {
+
+/// The surface at one place of each cell that it passes, in ascending order of cells.
+struct SurfaceSamples {
+  std::vector<std::uint32_t> cell;  ///< 64 * brick + place
+  std::vector<Vec3> position;       ///< on the function's zero set, or else a base vertex
+  std::vector<Vec3> normal;         ///< outward; zero where the zero set was not found
+  std::vector<float> radius;        ///< of curvature; 0 where the zero set was not found
+
+  std::size_t count() const { return cell.size(); }
+};
+
+struct SizeField {
+  Buffer<float> sizes;  ///< 64 a brick of the field
+  SurfaceSamples samples;
+  double predicted_triangles = 0;
+
+  SizeView view(const IndicatorField& field) const { return {field.view(), sizes.view(), largest}; }
+  float largest = 1;  ///< where nothing asks for less
+};
+
+/// What the sizes are made by, in voxel lengths.
+struct SizeRule {
+  float rho = 0.6f;  ///< edge length over radius of curvature
+  float edge_min = 1.0f;
+  float edge_max = 1.6f;
+  float gradation = 0.25f;  ///< growth of the edge length a length
+};
+
+/// The least of the radii |p - q| / |n(p) - n(q)| (d / (2 sin(theta / 2)) of eq. 5) in six
+/// directions about one voxel length from p, which is on the surface with that outward normal.
+/// Where a direction finds no surface, at half the distance; 0 where that fails too.
+float radius_of_curvature(const FieldView& field, const Vec3& p, const Vec3& normal);
+
+/// \param surface  the base surface, in voxel lengths: where the radii are taken.
+/// \pre the backend's memory is the host's.
+SizeField make_sizes(Backend& backend, const IndicatorField& field, const TriangleMesh& surface,
+                     const SizeRule& rule);
+
+/// Lowers each value to what its neighbours allow, value(p) <= value(q) + growth |p - q|, by
+/// min-plus passes over the 26 neighbours that carry a value `reach` lengths far.
+/// \param values  64 a brick of the field.
+void grow_limited(Backend& backend, const IndicatorField& field, float growth, float reach,
+                  Buffer<float>& values);
+
+}  // namespace vasamesh
