@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::size_t kGrain = 8;  // bricks a task takes
 
-/// Where a brick's neighbour along one axis has a node, its values; else null.
+/// The values of a brick's neighbour; null where there is none.
 const float* brick_values(const BrickView& bricks, const float* values, std::size_t brick,
                           int neighbour) {
   const std::int32_t other = bricks.neighbours[27 * brick + static_cast<std::size_t>(neighbour)];
@@ -67,6 +67,8 @@ IndicatorField make_field(Backend& backend, const Lattice& lattice, const std::a
   for (std::size_t b = 0; b < bricks.count; ++b)
     table[field.view().cell_of(bricks.coords[b])] = static_cast<std::int32_t>(b);
 
+  field.neighbours = Buffer<std::int32_t>(backend, 27 * bricks.count);
+  std::copy_n(bricks.neighbours.data(), 27 * bricks.count, field.neighbours.view().data());
   field.coefficients = Buffer<float>(backend, bricks.count * kBrickCells);
   const float* values = lattice.values.view().data();
   float* coefficients = field.coefficients.view().data();

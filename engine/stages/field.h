@@ -17,9 +17,11 @@ namespace vasamesh {
 struct IndicatorField {
   std::array<int, 3> grid{0, 0, 0};
   Buffer<std::int32_t> brick_at;
+  Buffer<std::int32_t> neighbours;  ///< 27 a brick, as of types/bricks.h
   Buffer<float> coefficients;
   Scale step{0.5f, 0.5f, 0.5f};
 
+  std::size_t brick_count() const { return coefficients.size() / kBrickCells; }
   FieldView view() const;
 };
 

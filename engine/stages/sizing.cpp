@@ -73,34 +73,26 @@ float size_for(const SizeRule& rule, float radius) {
   return std::min(wanted, 1.25f * radius);
 }
 
-/// The values of a brick and of the cells round it: 6 x 6 rows of 4 with one before and one after.
+/// The values of a brick and of the cells round it.
 struct SizeHalo {
-  SizeHalo(const FieldView& field, const BrickCoord& coord, const float* values, float outside) {
-    std::fill(&value[0][0][0], &value[0][0][0] + 6 * 6 * 6, outside);
-    for (int dz = -1; dz <= 1; ++dz)
-      for (int dy = -1; dy <= 1; ++dy)
-        for (int dx = -1; dx <= 1; ++dx) {
-          const BrickCoord c = {coord.x + dx, coord.y + dy, coord.z + dz};
-          if (c.x < 0 || c.y < 0 || c.z < 0 || c.x >= field.grid[0] || c.y >= field.grid[1] ||
-              c.z >= field.grid[2])
-            continue;
-          const std::int32_t brick = field.brick_at[field.cell_of(c)];
-          if (brick != kNoBrick)
-            take(values + kCells * static_cast<std::size_t>(brick), dx, dy, dz);
-        }
+  /// \param near  the brick's entries of the neighbour table.
+  SizeHalo(const std::int32_t* near, const float* values, float outside) {
+    const float* brick[27];
+    for (int n = 0; n < 27; ++n)
+      brick[n] =
+          near[n] == kNoBrick ? nullptr : values + kCells * static_cast<std::size_t>(near[n]);
+    for (int z = 0; z < 6; ++z)
+      for (int y = 0; y < 6; ++y) {
+        const float* const* row = brick + 3 * ((y + 3) >> 2) + 9 * ((z + 3) >> 2);
+        const int first = 4 * (((y + 3) & 3) + 4 * ((z + 3) & 3));
+        float* to = value[z][y];
+        to[0] = row[0] ? row[0][first + 3] : outside;
+        for (int x = 0; x < 4; ++x) to[x + 1] = row[1] ? row[1][first + x] : outside;
+        to[5] = row[2] ? row[2][first] : outside;
+      }
   }
 
-  /// The part of a neighbour's cells that touches the brick.
-  void take(const float* cells, int dx, int dy, int dz) {
-    const auto begin = [](int d) { return d < 0 ? 3 : 0; };
-    const auto end = [](int d) { return d > 0 ? 1 : 4; };
-    for (int z = begin(dz); z < end(dz); ++z)
-      for (int y = begin(dy); y < end(dy); ++y)
-        for (int x = begin(dx); x < end(dx); ++x)
-          value[z + 1 + 4 * dz][y + 1 + 4 * dy][x + 1 + 4 * dx] = cells[x + 4 * (y + 4 * z)];
-  }
-
-  float value[6][6][6];
+  float value[6][6][8];  ///< z, y, x, each from one cell before the brick's first
 };
 
 /// What a step to each of the 27 neighbours costs.
@@ -117,27 +109,61 @@ struct StepCosts {
 };
 
 void relax(const SizeHalo& halo, const StepCosts& steps, float* out) {
-  for (int z = 0; z < 4; ++z)
-    for (int y = 0; y < 4; ++y) {
-      float row[4];
-      for (int x = 0; x < 4; ++x) row[x] = halo.value[z + 1][y + 1][x + 1];
-      for (int n = 0; n < 27; ++n) {
-        const float* from = &halo.value[z + n / 9][y + n / 3 % 3][n % 3];
-        for (int x = 0; x < 4; ++x) row[x] = std::min(row[x], from[x] + steps.cost[n]);
+  float least[kCells];
+  std::fill_n(least, kCells, kLargestRadius);
+  for (int n = 0; n < 27; ++n)
+    for (int row = 0; row < 16; ++row) {
+      const float* from = &halo.value[row / 4 + n / 9][row % 4 + n / 3 % 3][n % 3];
+      float* to = &least[4 * row];
+      for (int x = 0; x < 4; ++x) {
+        const float there = from[x] + steps.cost[n];
+        to[x] = there < to[x] ? there : to[x];
       }
-      std::copy_n(row, 4, out + 4 * (y + 4 * z));
     }
+  std::copy_n(least, kCells, out);
 }
 
-std::vector<BrickCoord> brick_coords(const FieldView& field) {
-  std::vector<BrickCoord> coords(field.coefficients.size / kBrickCells);
-  std::size_t cell = 0;
-  for (int z = 0; z < field.grid[2]; ++z)
-    for (int y = 0; y < field.grid[1]; ++y)
-      for (int x = 0; x < field.grid[0]; ++x, ++cell)
-        if (field.brick_at[cell] != kNoBrick)
-          coords[static_cast<std::size_t>(field.brick_at[cell])] = {x, y, z};
-  return coords;
+/// Whether a brick or one round it is flagged.
+bool any_of(const std::int32_t* near, const std::vector<std::uint8_t>& flags) {
+  for (int n = 0; n < 27; ++n)
+    if (near[n] != kNoBrick && flags[static_cast<std::size_t>(near[n])]) return true;
+  return false;
+}
+
+/// The mean curvature over a cell and those round it that the surface passes; `none` elsewhere.
+void average(const SizeHalo& halo, float none, float* out) {
+  for (int z = 0; z < 4; ++z)
+    for (int y = 0; y < 4; ++y)
+      for (int x = 0; x < 4; ++x, ++out) {
+        if (*out == none) continue;
+        float sum = 0, count = 0;
+        for (int n = 0; n < 27; ++n) {
+          const float value = halo.value[z + n / 9][y + n / 3 % 3][x + n % 3];
+          if (value == none) continue;
+          sum += value;
+          count += 1;
+        }
+        *out = sum / count;
+      }
+}
+
+/// Each radius of curvature becomes that of the mean curvature round it.
+void smooth_radii(Backend& backend, const IndicatorField& field, SurfaceSamples& samples) {
+  constexpr float kNoValue = -1;
+  constexpr std::size_t kGrain = 32;
+  const std::int32_t* near = field.neighbours.view().data();
+  const std::size_t bricks = field.brick_count();
+  std::vector<float> curvature(bricks * kCells, kNoValue);
+  for (std::size_t i = 0; i < samples.count(); ++i)
+    if (samples.radius[i] > 0) curvature[samples.cell[i]] = 1 / samples.radius[i];
+  std::vector<float> smooth = curvature;
+  backend.run((bricks + kGrain - 1) / kGrain, [&](std::size_t task) {
+    const std::size_t end = std::min((task + 1) * kGrain, bricks);
+    for (std::size_t b = task * kGrain; b < end; ++b)
+      average(SizeHalo(near + 27 * b, curvature.data(), kNoValue), kNoValue, &smooth[kCells * b]);
+  });
+  for (std::size_t i = 0; i < samples.count(); ++i)
+    if (samples.radius[i] > 0) samples.radius[i] = 1 / smooth[samples.cell[i]];
 }
 
 /// Sum over the triangles of their area over that of an equilateral one of the size there.
@@ -161,6 +187,15 @@ double predict_triangles(Backend& backend, const SizeView& sizes, const Triangle
   return total;
 }
 
+/// The square of d / (2 sin(theta / 2)) towards p + step; 0 where no surface is found.
+float squared_radius(const FieldView& field, const Vec3& p, const Vec3& normal, const Vec3& step) {
+  Vec3 q = p + step;
+  const FieldSample at = project_to_surface(field, norm(step), kSteps, q);
+  if (!at.known) return 0;
+  const float turned = squared_norm(normal + normalised(at.gradient));
+  return squared_norm(q - p) / std::max(turned, 1e-12f);
+}
+
 }  // namespace
 
 float radius_of_curvature(const FieldView& field, const Vec3& p, const Vec3& normal) {
@@ -170,36 +205,41 @@ float radius_of_curvature(const FieldView& field, const Vec3& p, const Vec3& nor
   const Vec3 u = any_tangent(normal), v = cross(normal, u);
   float least = kLargestRadius * kLargestRadius;
   for (const auto& direction : kDirections) {
-    Vec3 q = p + kRing * (direction[0] * u + direction[1] * v);
-    const FieldSample at = project_to_surface(field, kRing, kSteps, q);
-    if (!at.known) {
-      least = std::min(least, 0.25f * kRing * kRing);
-      continue;
-    }
-    const float turned = squared_norm(normal + normalised(at.gradient));
-    const float apart = squared_norm(q - p);
-    if (apart < least * turned) least = apart / turned;
+    const Vec3 along = direction[0] * u + direction[1] * v;
+    const float squared =
+        std::min(squared_radius(field, p, normal, kRing * along), kLargestRadius * kLargestRadius);
+    least = std::min(
+        least, squared > 0 ? squared : squared_radius(field, p, normal, 0.5f * kRing * along));
   }
   return std::sqrt(least);
 }
 
-void grow_limited(Backend& backend, const FieldView& field, float growth, float reach,
+void grow_limited(Backend& backend, const IndicatorField& field, float growth, float reach,
                   Buffer<float>& values) {
   const Scale voxel = {2 * field.step[0], 2 * field.step[1], 2 * field.step[2]};
   const StepCosts steps(voxel, growth);
-  const std::vector<BrickCoord> coords = brick_coords(field);
+  const std::int32_t* near = field.neighbours.view().data();
+  const std::size_t bricks = field.brick_count();
   const auto passes = static_cast<int>(std::ceil(reach / std::min({voxel[0], voxel[1], voxel[2]})));
   constexpr std::size_t kGrain = 32;
   Buffer<float> next(backend, values.size());
+  std::vector<std::uint8_t> changed(bricks, 1), changes(bricks);
   for (int pass = 0; pass < passes; ++pass) {
     const float* from = values.view().data();
     float* to = next.view().data();
-    backend.run((coords.size() + kGrain - 1) / kGrain, [&](std::size_t task) {
-      const std::size_t end = std::min((task + 1) * kGrain, coords.size());
-      for (std::size_t b = task * kGrain; b < end; ++b)
-        relax(SizeHalo(field, coords[b], from, kLargestRadius), steps, to + kCells * b);
+    backend.run((bricks + kGrain - 1) / kGrain, [&](std::size_t task) {
+      const std::size_t end = std::min((task + 1) * kGrain, bricks);
+      for (std::size_t b = task * kGrain; b < end; ++b) {
+        const float* own = from + kCells * b;
+        if (any_of(near + 27 * b, changed))
+          relax(SizeHalo(near + 27 * b, from, kLargestRadius), steps, to + kCells * b);
+        else
+          std::copy_n(own, kCells, to + kCells * b);
+        changes[b] = !std::equal(own, own + kCells, to + kCells * b);
+      }
     });
     std::swap(values, next);
+    std::swap(changed, changes);
   }
 }
 
@@ -215,6 +255,7 @@ SizeField make_sizes(Backend& backend, const IndicatorField& field, const Triang
     for (std::size_t i = task * kSampleGrain; i < end; ++i) settle(view, result.samples, i);
   });
 
+  smooth_radii(backend, field, result.samples);
   result.sizes = Buffer<float>(backend, view.coefficients.size / kBrickCells * kCells);
   float* sizes = result.sizes.view().data();
   std::fill_n(sizes, result.sizes.size(), rule.edge_max);
@@ -225,7 +266,7 @@ SizeField make_sizes(Backend& backend, const IndicatorField& field, const Triang
     least = std::min(least, size);
   }
   const float reach = std::min((rule.edge_max - least) / rule.gradation, kFarthest);
-  grow_limited(backend, view, rule.gradation, reach, result.sizes);
+  grow_limited(backend, field, rule.gradation, reach, result.sizes);
   result.predicted_triangles = predict_triangles(backend, result.view(field), surface);
   return result;
 }

@@ -48,7 +48,7 @@ struct SizeRule {
 
 /// The least of the radii |p - q| / |n(p) - n(q)| (d / (2 sin(theta / 2)) of eq. 5) in six
 /// directions about one voxel length from p, which is on the surface with that outward normal.
-/// Directions in which the surface is not found count as half that distance.
+/// Where a direction finds no surface, at half the distance; 0 where that fails too.
 float radius_of_curvature(const FieldView& field, const Vec3& p, const Vec3& normal);
 
 /// \param surface  the base surface, in voxel lengths: where the radii are taken.
@@ -59,7 +59,7 @@ SizeField make_sizes(Backend& backend, const IndicatorField& field, const Triang
 /// Lowers each value to what its neighbours allow, value(p) <= value(q) + growth |p - q|, by
 /// min-plus passes over the 26 neighbours that carry a value `reach` lengths far.
 /// \param values  64 a brick of the field.
-void grow_limited(Backend& backend, const FieldView& field, float growth, float reach,
+void grow_limited(Backend& backend, const IndicatorField& field, float growth, float reach,
                   Buffer<float>& values);
 
 }  // namespace vasamesh

@@ -105,15 +105,17 @@ inline FieldSample sample_field(const FieldView& field, const Vec3& p) {
 }
 
 /// Newton steps along the gradient onto the zero set (at most `steps`), none longer than `reach` in
-/// all. \return the sample at the end; `known` is false when the point left the field, went farther
-/// than `reach` or did not come within 1 % of a voxel length; `p` is then unspecified.
+/// all; they end within a thousandth of a voxel length. \return the sample at the end; `known` is
+/// false when the point left the field, went farther than `reach` or did not come within 1 % of a
+/// voxel length; `p` is then unspecified.
 inline FieldSample project_to_surface(const FieldView& field, float reach, int steps, Vec3& p) {
-  constexpr float kNear = 0.01f;
+  constexpr float kNear = 0.01f, kThere = 0.001f;
   const Vec3 start = p;
   FieldSample sample = sample_field(field, p);
   for (int step = 0; step < steps && sample.known; ++step) {
     const float squared = squared_norm(sample.gradient);
     if (!(squared > 0)) return {};
+    if (sample.value * sample.value <= kThere * kThere * squared) return sample;
     p = p - (sample.value / squared) * sample.gradient;
     if (!(squared_norm(p - start) <= reach * reach)) return {};
     sample = sample_field(field, p);

@@ -1,0 +1,315 @@
+#include "stages/bridge.h"
+
+#include <algorithm>
+#include <tuple>
+
+namespace vasamesh {
+
+namespace {
+
+constexpr std::size_t kChunk = 256;        // loops a task takes
+constexpr float kBridgeReach = 3;          // longest bridge, in longest edges of its loop
+constexpr std::size_t kMostTrials = 2000;  // bridges or chords tried for a loop
+constexpr std::size_t kMostStarts = 1024;  // corners of a long loop from which chords are tried
+
+using Loop = std::vector<std::uint32_t>;
+
+struct Extent {
+  Vec3 low{1e30f, 1e30f, 1e30f}, high{-1e30f, -1e30f, -1e30f};
+
+  void add(const Vec3& p) {
+    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+  }
+  bool is_within(float reach, const Extent& other) const {
+    return low.x - reach <= other.high.x && other.low.x - reach <= high.x &&
+           low.y - reach <= other.high.y && other.low.y - reach <= high.y &&
+           low.z - reach <= other.high.z && other.low.z - reach <= high.z;
+  }
+};
+
+/// From the edge at corner i of a loop to the edge at corner j of loop `other`.
+struct BridgeTrial {
+  float cost;  ///< the squared lengths of its two edges
+  std::uint32_t other, i, j;
+  bool operator<(const BridgeTrial& b) const {
+    return std::tie(cost, other, i, j) < std::tie(b.cost, b.other, b.i, b.j);
+  }
+};
+
+struct ChordTrial {
+  float squared;
+  std::uint32_t i, j;
+  bool operator<(const ChordTrial& b) const {
+    return std::tie(squared, i, j) < std::tie(b.squared, b.i, b.j);
+  }
+};
+
+class Bridger {
+ public:
+  Bridger(const TriangleMesh& mesh, const GapRules& rules, const GapLoops& loops,
+          std::vector<std::uint8_t> annular, GapRim& rim)
+      : mesh_(mesh),
+        rules_(rules),
+        rim_(rim),
+        loops_(loops.count()),
+        extents_(loops.count()),
+        annular_(std::move(annular)) {
+    for (std::size_t l = 0; l < loops.count(); ++l) {
+      loops_[l].assign(loops[l].begin(), loops[l].end());
+      measure(l);
+    }
+  }
+
+  void join_annuli() {
+    for (std::size_t l = 0; l < loops_.size();) {
+      BridgeTrial bridge;
+      if (!annular_[l] || loops_[l].empty() || !find_bridge(l, bridge)) {
+        ++l;
+        continue;
+      }
+      join(l, bridge);
+      annular_[l] = turns_too_little(l);
+    }
+  }
+
+  void split_long_loops() {
+    for (std::size_t l = 0; l < loops_.size();)
+      if (loops_[l].size() <= kLongLoop || !split(l)) ++l;
+  }
+
+  BridgedLoops take() {
+    result_.loops.first.push_back(0);
+    for (std::size_t l = 0; l < loops_.size(); ++l) {
+      if (loops_[l].empty()) continue;
+      result_.loops.add(loops_[l]);
+      result_.annular.push_back(annular_[l]);
+    }
+    return std::move(result_);
+  }
+
+ private:
+  Vec3 at(std::uint32_t v) const { return position(mesh_, v); }
+  static std::uint32_t next(const Loop& loop, std::size_t i) { return loop[(i + 1) % loop.size()]; }
+
+  void measure(std::size_t l) {
+    extents_[l] = {};
+    for (std::uint32_t v : loops_[l]) extents_[l].add(at(v));
+  }
+
+  bool turns_too_little(std::size_t l) const {
+    std::vector<Vec3> points, normals;
+    for (std::uint32_t v : loops_[l]) {
+      points.push_back(at(v));
+      normals.push_back(rim_.normal(v));
+    }
+    return turning(points, normals) < kLeastTurning;
+  }
+
+  float longest_edge(const Loop& loop) const {
+    float longest = 0;
+    for (std::size_t i = 0; i < loop.size(); ++i)
+      longest = std::max(longest, squared_norm(at(next(loop, i)) - at(loop[i])));
+    return std::sqrt(longest);
+  }
+
+  bool find_bridge(std::size_t l, BridgeTrial& found) {
+    const Loop& loop = loops_[l];
+    const float reach = kBridgeReach * longest_edge(loop);
+    std::vector<BridgeTrial> trials;
+    for (std::uint32_t other = 0; other < loops_.size(); ++other) {
+      if (other == l || loops_[other].empty() || !extents_[l].is_within(reach, extents_[other]))
+        continue;
+      for (std::uint32_t i = 0; i < loop.size(); ++i)
+        for (std::uint32_t j = 0; j < loops_[other].size(); ++j) {
+          const float there = squared_norm(at(loops_[other][j]) - at(next(loop, i)));
+          const float back = squared_norm(at(next(loops_[other], j)) - at(loop[i]));
+          if (std::max(there, back) <= reach * reach) trials.push_back({there + back, other, i, j});
+        }
+    }
+    const auto end = trials.begin() + std::min(trials.size(), kMostTrials);
+    std::partial_sort(trials.begin(), end, trials.end());
+    const auto valid = std::find_if(trials.begin(), end, [&](const BridgeTrial& trial) {
+      std::uint32_t triangles[6];
+      return triangulate_bridge(l, trial, triangles);
+    });
+    if (valid == end) return false;
+    found = *valid;
+    return true;
+  }
+
+  /// The two triangles of a bridge by its better diagonal: the first at the loop's edge, the
+  /// second at the other's. \return false where neither diagonal obeys the rules.
+  bool triangulate_bridge(std::size_t l, const BridgeTrial& bridge,
+                          std::uint32_t (&triangles)[6]) const {
+    const std::uint32_t a = loops_[l][bridge.i], b = next(loops_[l], bridge.i),
+                        c = loops_[bridge.other][bridge.j],
+                        d = next(loops_[bridge.other], bridge.j);
+    if (a == c || a == d || b == c || b == d || !is_free(b, c) || !is_free(d, a)) return false;
+    const std::uint32_t splits[2][6] = {{a, b, c, c, d, a}, {d, a, b, b, c, d}};
+    const bool diagonal[2] = {!rim_.has_edge(a, c), !rim_.has_edge(b, d)};
+    float best = 1;
+    bool found = false;
+    for (int s = 0; s < 2; ++s) {
+      const std::uint32_t* t = splits[s];
+      if (!diagonal[s] || !obeys(t) || !obeys(t + 3)) continue;
+      const float worst = std::max(least_angle_measure(at(t[0]), at(t[1]), at(t[2])),
+                                   least_angle_measure(at(t[3]), at(t[4]), at(t[5])));
+      if (!(worst < best)) continue;
+      best = worst;
+      found = true;
+      std::copy(t, t + 6, triangles);
+    }
+    return found;
+  }
+
+  bool obeys(const std::uint32_t* t) const {
+    const Vec3 points[3] = {at(t[0]), at(t[1]), at(t[2])};
+    const Vec3 normals[3] = {rim_.normal(t[0]), rim_.normal(t[1]), rim_.normal(t[2])};
+    return triangle_follows_surface(rules_, points, normals);
+  }
+
+  /// Whether the surface may get an edge between the two.
+  bool is_free(std::uint32_t a, std::uint32_t b) const {
+    return a != b && !rim_.has_edge(a, b) && chord_follows_surface(rules_, at(a), at(b)) &&
+           !crosses_a_loop(a, b);
+  }
+
+  bool crosses_a_loop(std::uint32_t a, std::uint32_t b) const {
+    Extent extent;
+    extent.add(at(a));
+    extent.add(at(b));
+    const float reach = 0.5f * norm(at(b) - at(a));
+    for (std::size_t l = 0; l < loops_.size(); ++l) {
+      if (loops_[l].empty() || !extent.is_within(reach, extents_[l])) continue;
+      for (std::size_t i = 0; i < loops_[l].size(); ++i)
+        if (crosses(a, b, loops_[l][i], next(loops_[l], i))) return true;
+    }
+    return false;
+  }
+
+  /// Whether two edges of one sheet cross, seen along the surface's normal.
+  bool crosses(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) const {
+    if (a == c || a == d || b == c || b == d) return false;
+    const Vec3 p = at(a), q = at(b), u = at(c), v = at(d);
+    const Vec3 normal = normalised(rim_.normal(a) + rim_.normal(b));
+    const float length = std::max(squared_norm(q - p), squared_norm(v - u));
+    const Vec3 apart = 0.5f * ((u + v) - (p + q));
+    const float height = dot(apart, normal);
+    if (squared_norm(apart) > length || height * height > 0.25f * length) return false;
+    const auto side = [&](const Vec3& from, const Vec3& to, const Vec3& of) {
+      return dot(normal, cross(to - from, of - from));
+    };
+    return side(p, q, u) * side(p, q, v) < 0 && side(u, v, p) * side(u, v, q) < 0;
+  }
+
+  void join(std::size_t l, const BridgeTrial& bridge) {
+    std::uint32_t t[6];
+    triangulate_bridge(l, bridge, t);
+    result_.triangles.insert(result_.triangles.end(), t, t + 6);
+    ++result_.bridges;
+    Loop loop = std::move(loops_[l]), other = std::move(loops_[bridge.other]);
+    loops_[bridge.other].clear();
+    const std::uint32_t a = loop[bridge.i], b = next(loop, bridge.i), c = other[bridge.j],
+                        d = next(other, bridge.j);
+    const bool joins_ac = t[0] == a;
+    rim_.add_edge(c, b, joins_ac ? a : d);
+    rim_.add_edge(a, d, joins_ac ? c : b);
+    rim_.add_edge(t[0], t[2], GapRim::kNoVertex);
+    // b ... a, then d ... c
+    std::rotate(loop.begin(), loop.begin() + (bridge.i + 1) % loop.size(), loop.end());
+    std::rotate(other.begin(), other.begin() + (bridge.j + 1) % other.size(), other.end());
+    loop.insert(loop.end(), other.begin(), other.end());
+    loops_[l] = std::move(loop);
+    measure(l);
+    measure(bridge.other);
+  }
+
+  bool split(std::size_t l) {
+    const Loop& loop = loops_[l];
+    const std::size_t n = loop.size(), least = n / 4, step = (n + kMostStarts - 1) / kMostStarts;
+    std::vector<ChordTrial> trials;
+    for (std::uint32_t i = 0; i < n; i += static_cast<std::uint32_t>(step))
+      for (std::uint32_t j = i + static_cast<std::uint32_t>(least); j < n && j - i + least <= n;
+           ++j)
+        trials.push_back({squared_norm(at(loop[j]) - at(loop[i])), i, j});
+    const auto end = trials.begin() + std::min(trials.size(), kMostTrials);
+    std::partial_sort(trials.begin(), end, trials.end());
+    const auto valid = std::find_if(trials.begin(), end, [&](const ChordTrial& trial) {
+      return lies_in_corner(loop, trial.i, loop[trial.j]) &&
+             lies_in_corner(loop, trial.j, loop[trial.i]) && is_free(loop[trial.i], loop[trial.j]);
+    });
+    if (valid == end) return false;
+    split_at(l, valid->i, valid->j);
+    return true;
+  }
+
+  /// Whether the vertex lies between a corner's edges, on the gap's side.
+  bool lies_in_corner(const Loop& loop, std::size_t i, std::uint32_t vertex) const {
+    const Vec3 here = at(loop[i]), x = at(next(loop, i)) - here, y = cross(rim_.normal(loop[i]), x);
+    const auto angle = [&](std::uint32_t v) {
+      const Vec3 to = at(v) - here;
+      const float a = angle_of(dot(x, to), dot(y, to));
+      return a < 0 ? a + 2 * 3.14159265f : a;
+    };
+    const float of_vertex = angle(vertex);
+    return of_vertex > 0 && of_vertex < angle(loop[(i + loop.size() - 1) % loop.size()]);
+  }
+
+  void split_at(std::size_t l, std::size_t i, std::size_t j) {
+    const Loop whole = std::move(loops_[l]);
+    rim_.add_edge(whole[i], whole[j], GapRim::kNoVertex);
+    ++result_.splits;
+    Loop rest(whole.begin() + j, whole.end());
+    rest.insert(rest.end(), whole.begin(), whole.begin() + i + 1);
+    loops_[l].assign(whole.begin() + i, whole.begin() + j + 1);
+    measure(l);
+    loops_.insert(loops_.begin() + l + 1, std::move(rest));
+    extents_.insert(extents_.begin() + l + 1, Extent{});
+    annular_.insert(annular_.begin() + l + 1, annular_[l]);
+    measure(l + 1);
+  }
+
+  const TriangleMesh& mesh_;
+  const GapRules rules_;
+  GapRim& rim_;
+  std::vector<Loop> loops_;  ///< empty once joined to another
+  std::vector<Extent> extents_;
+  std::vector<std::uint8_t> annular_;
+  BridgedLoops result_;
+};
+
+/// Whether each loop turns too little to go round a disc.
+std::vector<std::uint8_t> flag_annuli(Backend& backend, const TriangleMesh& mesh,
+                                      const GapLoops& loops, const GapRim& rim) {
+  std::vector<std::uint8_t> flagged(loops.count());
+  backend.run((loops.count() + kChunk - 1) / kChunk, [&](std::size_t chunk) {
+    std::vector<Vec3> points, normals;
+    for (std::size_t l = chunk * kChunk; l < std::min((chunk + 1) * kChunk, loops.count()); ++l) {
+      points.clear();
+      normals.clear();
+      for (std::uint32_t v : loops[l]) {
+        points.push_back(position(mesh, v));
+        normals.push_back(rim.normal(v));
+      }
+      flagged[l] = turning(points, normals) < kLeastTurning;
+    }
+  });
+  return flagged;
+}
+
+}  // namespace
+
+BridgedLoops bridge_loops(Backend& backend, const TriangleMesh& mesh, const GapRules& rules,
+                          const GapLoops& loops, GapRim& rim) {
+  std::vector<std::uint8_t> annular = flag_annuli(backend, mesh, loops, rim);
+  bool any = std::find(annular.begin(), annular.end(), 1) != annular.end();
+  for (std::size_t l = 0; l < loops.count() && !any; ++l) any = loops.size(l) > kLongLoop;
+  if (!any) return {loops, std::move(annular), {}, 0, 0};
+  Bridger bridger(mesh, rules, loops, std::move(annular), rim);
+  bridger.join_annuli();
+  bridger.split_long_loops();
+  return bridger.take();
+}
+
+}  // namespace vasamesh

@@ -1,0 +1,142 @@
+#include "stages/hard.h"
+
+#include <algorithm>
+#include <cstddef>
+
+namespace vasamesh {
+
+namespace {
+
+constexpr float kThin = 0.7f;    // of edge_min: a smaller radius of curvature is hard
+constexpr float kRoom = 0.6f;    // of edge_min: no other sheet within this, along the normal
+constexpr float kGrowth = 3.0f;  // edge lengths that regions are grown by
+constexpr float kFar = 1e6f;
+constexpr std::size_t kSampleGrain = 256, kSurfaceGrain = 8192;
+
+/// Whether the function keeps its sign on each side of the surface as far as `reach`.
+bool has_room(const FieldView& field, const Vec3& p, const Vec3& normal, float reach) {
+  for (const float part : {0.5f, 1.0f}) {
+    const FieldSample outside = sample_field(field, p + (part * reach) * normal);
+    const FieldSample inside = sample_field(field, p - (part * reach) * normal);
+    if ((outside.known && outside.value >= 0) || (inside.known && inside.value <= 0)) return false;
+  }
+  return true;
+}
+
+bool is_hard(const FieldView& field, const SurfaceSamples& samples, const SizeRule& rule,
+             std::size_t i) {
+  return samples.radius[i] < kThin * rule.edge_min ||
+         !has_room(field, samples.position[i], samples.normal[i], kRoom * rule.edge_min);
+}
+
+enum Nearness : std::uint8_t { kAway, kNear, kWithin };  ///< of a vertex to a hard cell
+
+/// Which vertices lie within the growth of a hard cell, or in it.
+std::vector<std::uint8_t> near_vertices(Backend& backend, const SizeView& distance,
+                                        const SizeView& sizes, const TriangleMesh& surface) {
+  const std::size_t count = surface.vertex_count();
+  std::vector<std::uint8_t> near(count);
+  backend.run((count + kSurfaceGrain - 1) / kSurfaceGrain, [&](std::size_t task) {
+    const std::size_t end = std::min((task + 1) * kSurfaceGrain, count);
+    for (std::size_t v = task * kSurfaceGrain; v < end; ++v) {
+      const float* p = &surface.vertices[3 * v];
+      const Vec3 at = {p[0], p[1], p[2]};
+      const float apart = size_at(distance, at);
+      near[v] = !(apart > 0) ? kWithin : apart <= kGrowth * size_at(sizes, at) ? kNear : kAway;
+    }
+  });
+  return near;
+}
+
+/// The triangles with a flagged vertex.
+std::vector<std::uint8_t> triangles_at(Backend& backend, const std::vector<std::uint8_t>& flagged,
+                                       const TriangleMesh& surface) {
+  const std::size_t count = surface.triangle_count();
+  std::vector<std::uint8_t> hard(count);
+  backend.run((count + kSurfaceGrain - 1) / kSurfaceGrain, [&](std::size_t task) {
+    const std::size_t end = std::min((task + 1) * kSurfaceGrain, count);
+    for (std::size_t t = task * kSurfaceGrain; t < end; ++t) {
+      const std::uint32_t* v = &surface.triangles[3 * t];
+      hard[t] = flagged[v[0]] || flagged[v[1]] || flagged[v[2]];
+    }
+  });
+  return hard;
+}
+
+/// Flags the vertices at which the hard triangles are more than one fan. \return whether any is.
+bool widen_pinches(const TriangleMesh& surface, const std::vector<std::uint8_t>& hard,
+                   std::vector<std::uint8_t>& flagged) {
+  // An unflagged vertex and one of its neighbours, for each hard triangle with both. A fan has one
+  // triangle more than inner edges; a whole star has as many.
+  std::vector<std::uint64_t> spokes;
+  for (std::size_t t = 0; t < hard.size(); ++t) {
+    if (!hard[t]) continue;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::uint32_t v = surface.triangles[3 * t + i];
+      if (flagged[v]) continue;
+      for (const std::size_t other : {(i + 1) % 3, (i + 2) % 3})
+        spokes.push_back(std::uint64_t{v} << 32 | surface.triangles[3 * t + other]);
+    }
+  }
+  std::sort(spokes.begin(), spokes.end());
+  bool any = false;
+  for (std::size_t i = 0; i < spokes.size();) {
+    const std::uint64_t v = spokes[i] >> 32;
+    const std::size_t first = i;
+    std::size_t inner = 0;
+    for (++i; i < spokes.size() && spokes[i] >> 32 == v; ++i) inner += spokes[i] == spokes[i - 1];
+    const std::size_t fans = (i - first) / 2 - inner;
+    if (fans < 2) continue;
+    flagged[v] = kNear;
+    any = true;
+  }
+  return any;
+}
+
+/// Takes off the regions that hold no hard cell: places of another sheet, or islands of a few
+/// triangles that the cells of the growth's rim leave.
+void drop_islands(const TriangleMesh& surface, const std::vector<std::uint8_t>& flagged,
+                  std::vector<std::uint8_t>& hard) {
+  std::vector<std::uint32_t> parent(surface.vertex_count());
+  for (std::uint32_t v = 0; v < parent.size(); ++v) parent[v] = v;
+  const auto root = [&](std::uint32_t v) {
+    while (parent[v] != v) v = parent[v] = parent[parent[v]];
+    return v;
+  };
+  std::vector<std::uint8_t> kept(parent.size(), 0);
+  for (std::size_t t = 0; t < hard.size(); ++t)
+    if (hard[t])
+      for (std::size_t i = 1; i < 3; ++i)
+        parent[root(surface.triangles[3 * t + i])] = root(surface.triangles[3 * t]);
+  for (std::uint32_t v = 0; v < parent.size(); ++v)
+    if (flagged[v] == kWithin) kept[root(v)] = 1;
+  for (std::size_t t = 0; t < hard.size(); ++t)
+    if (hard[t]) hard[t] = kept[root(surface.triangles[3 * t])];
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> find_hard_regions(Backend& backend, const IndicatorField& field,
+                                            const SizeField& sizes, const SizeRule& rule,
+                                            const TriangleMesh& surface) {
+  const FieldView view = field.view();
+  const SurfaceSamples& samples = sizes.samples;
+  Buffer<float> distance(backend, sizes.sizes.size());
+  float* to_hard = distance.view().data();
+  std::fill_n(to_hard, distance.size(), kFar);
+  backend.run((samples.count() + kSampleGrain - 1) / kSampleGrain, [&](std::size_t task) {
+    const std::size_t end = std::min((task + 1) * kSampleGrain, samples.count());
+    for (std::size_t i = task * kSampleGrain; i < end; ++i)
+      if (is_hard(view, samples, rule, i)) to_hard[samples.cell[i]] = 0;
+  });
+  grow_limited(backend, field, 1.0f, kGrowth * rule.edge_max, distance);
+
+  std::vector<std::uint8_t> at_vertex =
+      near_vertices(backend, {view, distance.view(), kFar}, sizes.view(field), surface);
+  std::vector<std::uint8_t> hard = triangles_at(backend, at_vertex, surface);
+  while (widen_pinches(surface, hard, at_vertex)) hard = triangles_at(backend, at_vertex, surface);
+  drop_islands(surface, at_vertex, hard);
+  return hard;
+}
+
+}  // namespace vasamesh

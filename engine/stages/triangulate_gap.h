@@ -1,0 +1,98 @@
+#pragma once
+
+/// \file
+/// The triangulation of a gap by dynamic programming over its polygon, O(n^3): eq. 6 and 7 of the
+/// paper.
+///
+/// Barequet, Sharir: Filling gaps in the boundary of a polyhedron, 1995; Liepa: Filling holes in
+/// meshes, 2003 (the scheme); Musin: Properties of the Delaunay triangulation, 1997 (the harmonic
+/// index).
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "stages/gap_rules.h"
+#include "types/vec3.h"
+
+namespace vasamesh {
+
+/// How a triangulation is chosen among those that obey the rules.
+enum class StitchMode {
+  /// The paper's single pass by (alpha, beta, A): the largest least angle, then the smallest
+  /// largest dihedral angle, then the least area. The pass is exact in alpha alone: beta of a part
+  /// depends on what the part is joined to.
+  paper,
+  /// Two passes: the largest least angle alpha, then the least total cost over all triangulations
+  /// that reach it. Both exact.
+  exact
+};
+
+/// A gap's polygon; corner i's edge goes to corner i + 1, the last one's to corner 0.
+struct GapPolygon {
+  std::span<const Vec3> points;
+  std::span<const Vec3> normals;  ///< the surface's outward unit normal at each corner
+  std::span<const Vec3> across;   ///< a corner: unit normal of the triangle across its edge; zero
+                                  ///< where there is none
+  /// May corners i and j be joined: entry n i + j, symmetric. Not asked for the polygon's edges.
+  std::span<const std::uint8_t> chords;
+};
+
+/// The additive cost of a triangle, from its squared edges, twice its area and the cosine of the
+/// largest angle between its normal and the surface's at its corners: the harmonic index (least in
+/// sum for the Delaunay triangulation, where the polygon is flat) times 2 - cosine (which keeps
+/// the triangles on the surface, where it is not).
+inline float triangle_cost(float squared_edges, float twice_area, float cosine) {
+  return (squared_edges / twice_area) * (2.0f - cosine);
+}
+
+/// Workspace and result; reused from gap to gap.
+class GapTriangulator {
+ public:
+  static constexpr std::size_t kMostCorners = 0xffff;
+
+  /// Triangulates the polygon by triangles that follow the surface (gap_rules.h), with n - 2
+  /// triangles (i, k, j), i < k < j. The same for any order of work; ties go to the lowest k.
+  /// \return false where no triangulation obeys the rules and the chords.
+  bool run(const GapPolygon& polygon, const GapRules& rules, StitchMode mode);
+
+  /// Corners of the n - 2 triangles, three each, counter-clockwise.
+  std::span<const std::uint16_t> triangles() const { return triangles_; }
+  /// least_angle_measure of the worst triangle.
+  float measure() const { return measure_; }
+  /// The sum of triangle_cost in `exact` mode, of the areas in `paper` mode.
+  float total() const { return total_; }
+
+ private:
+  void prepare();
+  void minimise_measure();
+  void minimise_cost();
+  void minimise_lexicographic();
+  void trace();
+  float largest_turn(std::size_t i, std::size_t k, std::size_t j, const Vec3& normal) const;
+  bool may_join(std::size_t i, std::size_t j) const {
+    return j - i + 1 == n_ || polygon_.chords[n_ * i + j] != 0;
+  }
+  /// Whether the triangle obeys the rules; `worst` and `twice_area` as triangle_cost takes them.
+  bool obeys_normals(std::size_t i, std::size_t k, std::size_t j, Vec3& product, float& squared,
+                     float& worst) const;
+  bool obeys_middle(std::size_t i, std::size_t k, std::size_t j, const Vec3& product) const;
+
+  GapPolygon polygon_;
+  GapRules rules_;
+  std::size_t n_ = 0;
+  // Entry n i + j belongs to the part of the polygon from corner i to j; symmetric, so that a
+  // row holds what ends there as well as what starts there.
+  std::vector<float> squared_;      ///< squared distances of corners
+  std::vector<float> least_;        ///< measure of the best triangulation
+  std::vector<float> sum_;          ///< its cost, or area
+  std::vector<float> turn_;         ///< `paper`: minus the cosine of its largest dihedral angle
+  std::vector<Vec3> top_;           ///< `paper`: unit normal of the triangle at edge i - j
+  std::vector<std::uint16_t> via_;  ///< that triangle's third corner
+  std::vector<float> candidate_;    ///< a third corner: a bound on what it gives
+  std::vector<std::uint16_t> stack_;
+  std::vector<std::uint16_t> triangles_;
+  float measure_ = 0, total_ = 0;
+};
+
+}  // namespace vasamesh

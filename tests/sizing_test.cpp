@@ -1,0 +1,147 @@
+/// \file
+/// Sizes of edges: radii of curvature of known shapes, the clamps, the gradation against a plain
+/// shortest-way search, and the triangles that are predicted.
+
+#include "stages/sizing.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "support/analytic_lattice.h"
+#include "tbb/backend.h"
+
+namespace vasamesh::test {
+namespace {
+
+Backend& backend(int threads = 2) {
+  static const std::shared_ptr<Backend> backends[] = {make_tbb_backend(1, nullptr),
+                                                      make_tbb_backend(2, nullptr)};
+  return *backends[threads - 1];
+}
+
+struct Radii {
+  float low, median, high;  ///< 5th percentile, median, 95th
+};
+
+Radii radii_of(const AnalyticScene& scene, const std::function<bool(const Vec3&)>& where) {
+  const SizeField sizes = make_sizes(backend(), scene.field, scene.surface, {});
+  std::vector<float> radii;
+  for (std::size_t i = 0; i < sizes.samples.count(); ++i)
+    if (where(sizes.samples.position[i])) radii.push_back(sizes.samples.radius[i]);
+  std::sort(radii.begin(), radii.end());
+  return {radii[radii.size() / 20], radii[radii.size() / 2], radii[radii.size() * 19 / 20]};
+}
+
+TEST(Sizing, RadiusOfSpheres) {
+  for (const float radius : {2.0f, 4.0f, 8.0f}) {
+    const AnalyticScene scene(backend(), {24, 24, 24}, ball({12.1f, 11.8f, 12.3f}, radius));
+    const Radii radii = radii_of(scene, [](const Vec3&) { return true; });
+    EXPECT_NEAR(radii.median, radius, 0.04f * radius);
+    EXPECT_GT(radii.low, 0.9f * radius);
+    EXPECT_LT(radii.high, 1.1f * radius);
+  }
+}
+
+TEST(Sizing, RadiusOfObliqueTubesIsThatAcross) {
+  for (const float radius : {1.0f, 2.0f, 4.0f}) {
+    const AnalyticScene scene(backend(), {32, 24, 24}, capsule({6, 10, 11}, {26, 13, 14}, radius));
+    const Radii radii = radii_of(scene, [](const Vec3& p) { return p.x > 10 && p.x < 22; });
+    EXPECT_NEAR(radii.median, radius, 0.1f * radius);
+    EXPECT_GT(radii.low, 0.8f * radius);
+    EXPECT_LT(radii.high, 1.3f * radius);
+  }
+}
+
+TEST(Sizing, VoxelsNeedNotBeCubes) {
+  const Scale scale = {0.8f, 0.8f, 1.5625f};
+  const AnalyticScene scene(backend(), {32, 32, 16}, ball({12.5f, 12.5f, 12.5f}, 5), scale);
+  EXPECT_NEAR(radii_of(scene, [](const Vec3&) { return true; }).median, 5, 0.25);
+}
+
+TEST(Sizing, ClampedAndNeverMuchMoreThanTheRadius) {
+  const AnalyticScene scene(
+      backend(), {48, 24, 24},
+      joined({ball({12, 12, 12}, 8), capsule({12, 12, 12}, {40, 12, 12}, 0.7f)}, 0.5f));
+  const SizeField sizes = make_sizes(backend(), scene.field, scene.surface, {});
+  const SizeView view = sizes.view(scene.field);
+  EXPECT_FLOAT_EQ(size_at(view, {4, 12, 12}), 1.6f);
+  EXPECT_NEAR(size_at(view, {34, 12.7f, 12}), 1.25f * 0.7f, 0.12f);
+  EXPECT_FLOAT_EQ(size_at(view, {-3, 12, 12}), 1.6f);  // outside every brick
+}
+
+/// Values that no step between neighbours can lower, found by trying all until nothing changes.
+std::vector<float> settled(std::vector<float> values, const std::array<int, 3>& cells,
+                           const Scale& scale, float growth) {
+  const auto index = [&](int x, int y, int z) {
+    const int brick = (x >> 2) + cells[0] / 4 * ((y >> 2) + cells[1] / 4 * (z >> 2));
+    return static_cast<std::size_t>(64 * brick + (x & 3) + 4 * (y & 3) + 16 * (z & 3));
+  };
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (int z = 0; z < cells[2]; ++z)
+      for (int y = 0; y < cells[1]; ++y)
+        for (int x = 0; x < cells[0]; ++x)
+          for (int n = 0; n < 27; ++n) {
+            const int i = x + n % 3 - 1, j = y + n / 3 % 3 - 1, k = z + n / 9 - 1;
+            if (i < 0 || j < 0 || k < 0 || i >= cells[0] || j >= cells[1] || k >= cells[2])
+              continue;
+            const float step =
+                norm({scale[0] * static_cast<float>(i - x), scale[1] * static_cast<float>(j - y),
+                      scale[2] * static_cast<float>(k - z)});
+            const float most = values[index(i, j, k)] + growth * step;
+            if (most < values[index(x, y, z)] - 1e-5f) {
+              values[index(x, y, z)] = most;
+              changed = true;
+            }
+          }
+  }
+  return values;
+}
+
+TEST(Sizing, GrowthIsLimitedAsByTryingAllSteps) {
+  const Scale scale = {0.8f, 0.8f, 1.5625f};
+  const std::array<int, 3> size = {20, 12, 8};
+  const IndicatorField field = make_field(
+      backend(), analytic_lattice(backend(), size, scale, [](const Vec3&) { return 1.0f; }), size,
+      scale);
+  Buffer<float> values(backend(), 64 * field.brick_count());
+  std::vector<float> given(values.size(), 3.0f);
+  std::mt19937 random(4);
+  for (int i = 0; i < 9; ++i) given[random() % given.size()] = 0.5f + 0.1f * static_cast<float>(i);
+  backend().upload<float>(values.view(), given);
+  grow_limited(backend(), field, 0.25f, 10, values);
+  const std::vector<float> want = settled(given, size, scale, 0.25f);
+  int lowered = 0;
+  for (std::size_t i = 0; i < want.size(); ++i) {
+    ASSERT_NEAR(values.view()[i], want[i], 1e-4) << i;
+    lowered += want[i] < given[i];
+  }
+  EXPECT_GT(lowered, 1000);
+}
+
+TEST(Sizing, PredictsTheTrianglesOfASphere) {
+  const AnalyticScene scene(backend(), {24, 24, 24}, ball({12, 12, 12}, 8));
+  for (const float edge : {0.8f, 1.3f}) {
+    const SizeField sizes =
+        make_sizes(backend(), scene.field, scene.surface, {0.6f, edge, edge, 0.25f});
+    const double want = 4 * std::numbers::pi * 64 / (std::sqrt(3.0) / 4 * edge * edge);
+    EXPECT_NEAR(sizes.predicted_triangles, want, 0.02 * want);
+  }
+}
+
+TEST(Sizing, SameForAnyNumberOfThreads) {
+  const AnalyticScene scene(backend(), {40, 40, 40}, random_tree(3, 4, 40));
+  const SizeField one = make_sizes(backend(1), scene.field, scene.surface, {});
+  const SizeField two = make_sizes(backend(2), scene.field, scene.surface, {});
+  EXPECT_EQ(one.predicted_triangles, two.predicted_triangles);
+  EXPECT_EQ(one.samples.radius, two.samples.radius);
+  for (std::size_t i = 0; i < one.sizes.size(); ++i)
+    ASSERT_EQ(one.sizes.view()[i], two.sizes.view()[i]);
+}
+
+}  // namespace
+}  // namespace vasamesh::test
