@@ -13,9 +13,49 @@ namespace {
   throw Error(ErrorCode::usage, std::string(field) + " is out of its range: give " + range);
 }
 
+bool within(double value, double least, double most) {
+  return std::isfinite(value) && value >= least && value <= most;
+}
+
+void validate(const EdgeLengths& e) {
+  constexpr double kLeast = 1e-3;
+  if (!within(e.rho, kLeast, 2)) out_of_range("rho", "above 0 to 2");
+  if (e.edges_around != 0 && !within(e.edges_around, 4, 100))
+    out_of_range("edges around", "4 to 100 (0: by rho)");
+  if (e.chord_error != 0 && !within(e.chord_error, kLeast, 1))
+    out_of_range("chord error", "above 0 to 1 voxel (0: by rho)");
+  if (e.triangles < 0) out_of_range("triangles", "how many are wanted (0: by rho)");
+  if (!within(e.edge_min, kLeast, 100)) out_of_range("edge min", "above 0 to 100 voxels");
+  if (!within(e.edge_max, kLeast, 100)) out_of_range("edge max", "above 0 to 100 voxels");
+  if (e.edge_min > e.edge_max)
+    throw Error(ErrorCode::usage, "edge min is above edge max: lower the one or raise the other");
+  if (!within(e.gradation, 0.01, 2)) out_of_range("gradation", "0.01 to 2");
+  if ((e.edges_around != 0) + (e.chord_error != 0) + (e.triangles != 0) > 1)
+    throw Error(ErrorCode::usage,
+                "edges around, chord error and triangles exclude each other: give one of them");
+}
+
 }  // namespace
 
+void set_preset(const std::string& name, Parameters& p) {
+  p.edges = {};
+  p.stitch = StitchMode::exact;
+  if (name == "default") return;
+  if (name == "paper") {
+    p.edges.edge_min = p.edges.edge_max = 1.05;
+    p.stitch = StitchMode::paper;
+  } else if (name == "simulator") {
+    p.edges.rho = 0.8;
+    p.edges.edge_max = 3;
+    p.edges.gradation = 0.3;
+  } else {
+    throw Error(ErrorCode::usage,
+                "there is no preset '" + name + "': give default, paper or simulator");
+  }
+}
+
 void validate(const Parameters& p) {
+  validate(p.edges);
   if (p.neighbours < 3 || p.neighbours > 64) out_of_range("neighbours", "3 to 64");
   if (p.depth < 0 || p.depth > 24) out_of_range("depth", "0 (automatic) to 24");
   if (!std::isfinite(p.kernel_width) || p.kernel_width < 0.5 || p.kernel_width > 4)

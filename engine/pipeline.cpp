@@ -1,6 +1,7 @@
 #include "vasamesh/pipeline.h"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "stages/octree.h"
 #include "stages/points.h"
 #include "stages/poisson.h"
+#include "stages/polygonize.h"
 #include "stages/quality.h"
 #include "stages/relabel.h"
 #include "stages/surface.h"
@@ -43,6 +45,24 @@ void take_off(const std::vector<Closing>& closings, Solid& solid, RelabelReport&
     --(closing.tunnel ? solid.topology.handles : solid.topology.cavities);
     ++(closing.tunnel ? report.handles_closed : report.cavities_closed);
   }
+}
+
+/// The first of the polygonizer's surfaces that passes its proof. Coordinates are rounded before
+/// it.
+TriangleMesh proven_surface(Polygonizer& polygonizer, Scheduler& scheduler,
+                            const SolidMatch& wanted, Report& report) {
+  while (std::optional<TriangleMesh> mesh = polygonizer.next()) {
+    scheduler.begin("check", Stage::verify);
+    place_in_space(scheduler.host(), wanted.geometry, wanted.space, *mesh);
+    report.check = check_surface(scheduler.host(), *mesh, &wanted);
+    report.mesh = polygonizer.report();
+    if (!report.check.passed)
+      polygonizer.reject();
+    else if (polygonizer.accept_count(report.check.triangles))
+      return std::move(*mesh);
+  }
+  throw Error(ErrorCode::failed_check,
+              "the surface failed its proof and is not written: " + report.check.reason);
 }
 
 /// The whole method, in the order of the paper.
@@ -90,20 +110,17 @@ Result run_pipeline(const VolumeView& volume, const Parameters& parameters, Sche
       relabel(scheduler, scale, lattice, parameters.close_handles ? &closings : nullptr);
 
   scheduler.begin("surface", Stage::surface);
-  result.mesh = extract_base_surface(host, lattice);
-  place_in_space(host, volume.geometry, parameters.space, result.mesh);
+  TriangleMesh base = extract_base_surface(host, lattice);
 
-  scheduler.begin("check", Stage::verify);
   report.input = solid.findings;
   take_off(closings, solid, report.relabel);
-  const SolidMatch wanted = {&solid, volume.geometry, parameters.space};
-  report.check = check_surface(host, result.mesh, &wanted);
+  Polygonizer polygonizer(scheduler, lattice, object.size, scale, std::move(base), parameters);
+  result.mesh =
+      proven_surface(polygonizer, scheduler, {&solid, volume.geometry, parameters.space}, report);
+  scheduler.begin("quality", Stage::verify);
   report.quality = measure_quality(host, result.mesh);
   scheduler.end();
   report.stages = scheduler.take_reports();
-  if (!report.check.passed)
-    throw Error(ErrorCode::failed_check,
-                "the surface failed its proof and is not written: " + report.check.reason);
   return result;
 }
 

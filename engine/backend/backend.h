@@ -27,7 +27,7 @@
 namespace vasamesh {
 
 /// The stages that a backend may offer.
-enum class Stage { points, normals, octree, poisson, lattice, surface, verify };
+enum class Stage { points, normals, octree, poisson, lattice, surface, mesh, verify };
 
 class Backend : public Memory {
  public:

@@ -6,6 +6,7 @@
 /// set is not found.
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "backend/backend.h"
@@ -20,9 +21,11 @@ namespace vasamesh {
 /// function is wrong within 0.6 edge_min along the normal, or there is no zero set within reach;
 /// and grown by three edge lengths. The hard triangles at a vertex are one fan, so that the
 /// regions are surfaces with borders.
+/// \param places  where the front has failed before: hard within two edges too.
 /// \pre the backend's memory is the host's.
 std::vector<std::uint8_t> find_hard_regions(Backend& backend, const IndicatorField& field,
                                             const SizeField& sizes, const SizeRule& rule,
-                                            const TriangleMesh& surface);
+                                            const TriangleMesh& surface,
+                                            std::span<const Vec3> places = {});
 
 }  // namespace vasamesh

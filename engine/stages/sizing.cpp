@@ -69,7 +69,9 @@ void settle(const FieldView& field, SurfaceSamples& samples, std::size_t i) {
 
 float size_for(const SizeRule& rule, float radius) {
   if (!(radius > 0)) return rule.edge_min;
-  const float wanted = std::clamp(rule.rho * radius, rule.edge_min, rule.edge_max);
+  const float curved =
+      rule.chord_error > 0 ? std::sqrt(8 * rule.chord_error * radius) : rule.rho * radius;
+  const float wanted = std::clamp(curved, rule.edge_min, rule.edge_max);
   return std::min(wanted, 1.25f * radius);
 }
 
@@ -247,7 +249,6 @@ SizeField make_sizes(Backend& backend, const IndicatorField& field, const Triang
                      const SizeRule& rule) {
   const FieldView view = field.view();
   SizeField result;
-  result.largest = rule.edge_max;
   result.samples = first_vertices(view, surface);
   const std::size_t count = result.samples.count();
   backend.run((count + kSampleGrain - 1) / kSampleGrain, [&](std::size_t task) {
@@ -257,18 +258,24 @@ SizeField make_sizes(Backend& backend, const IndicatorField& field, const Triang
 
   smooth_radii(backend, field, result.samples);
   result.sizes = Buffer<float>(backend, view.coefficients.size / kBrickCells * kCells);
-  float* sizes = result.sizes.view().data();
-  std::fill_n(sizes, result.sizes.size(), rule.edge_max);
+  apply_rule(backend, field, surface, rule, result);
+  return result;
+}
+
+void apply_rule(Backend& backend, const IndicatorField& field, const TriangleMesh& surface,
+                const SizeRule& rule, SizeField& sizes) {
+  sizes.largest = rule.edge_max;
+  float* values = sizes.sizes.view().data();
+  std::fill_n(values, sizes.sizes.size(), rule.edge_max);
   float least = rule.edge_max;
-  for (std::size_t i = 0; i < count; ++i) {
-    const float size = size_for(rule, result.samples.radius[i]);
-    sizes[result.samples.cell[i]] = size;
+  for (std::size_t i = 0; i < sizes.samples.count(); ++i) {
+    const float size = size_for(rule, sizes.samples.radius[i]);
+    values[sizes.samples.cell[i]] = size;
     least = std::min(least, size);
   }
   const float reach = std::min((rule.edge_max - least) / rule.gradation, kFarthest);
-  grow_limited(backend, field, rule.gradation, reach, result.sizes);
-  result.predicted_triangles = predict_triangles(backend, result.view(field), surface);
-  return result;
+  grow_limited(backend, field, rule.gradation, reach, sizes.sizes);
+  sizes.predicted_triangles = predict_triangles(backend, sizes.view(field), surface);
 }
 
 }  // namespace vasamesh

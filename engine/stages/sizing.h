@@ -40,7 +40,8 @@ struct SizeField {
 
 /// What the sizes are made by, in voxel lengths.
 struct SizeRule {
-  float rho = 0.6f;  ///< edge length over radius of curvature
+  float rho = 0.6f;       ///< edge length over radius of curvature
+  float chord_error = 0;  ///< above 0: sqrt(8 chord_error r) in place of rho r
   float edge_min = 1.0f;
   float edge_max = 1.6f;
   float gradation = 0.25f;  ///< growth of the edge length a length
@@ -55,6 +56,10 @@ float radius_of_curvature(const FieldView& field, const Vec3& p, const Vec3& nor
 /// \pre the backend's memory is the host's.
 SizeField make_sizes(Backend& backend, const IndicatorField& field, const TriangleMesh& surface,
                      const SizeRule& rule);
+
+/// The same by another rule, from the radii that `sizes` has.
+void apply_rule(Backend& backend, const IndicatorField& field, const TriangleMesh& surface,
+                const SizeRule& rule, SizeField& sizes);
 
 /// Lowers each value to what its neighbours allow, value(p) <= value(q) + growth |p - q|, by
 /// min-plus passes over the 26 neighbours that carry a value `reach` lengths far.

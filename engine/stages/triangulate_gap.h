@@ -14,19 +14,9 @@
 
 #include "stages/gap_rules.h"
 #include "types/vec3.h"
+#include "vasamesh/parameters.h"
 
 namespace vasamesh {
-
-/// How a triangulation is chosen among those that obey the rules.
-enum class StitchMode {
-  /// The paper's single pass by (alpha, beta, A): the largest least angle, then the smallest
-  /// largest dihedral angle, then the least area. The pass is exact in alpha alone: beta of a part
-  /// depends on what the part is joined to.
-  paper,
-  /// Two passes: the largest least angle alpha, then the least total cost over all triangulations
-  /// that reach it. Both exact.
-  exact
-};
 
 /// A gap's polygon; corner i's edge goes to corner i + 1, the last one's to corner 0.
 struct GapPolygon {

@@ -76,6 +76,39 @@ void add_threads(CLI::App* app, int& threads) {
       ->capture_default_str();
 }
 
+/// The preset is set first; options given beside it win.
+void add_edge_lengths(CLI::App* app, Parameters& p) {
+  app->add_option_function<std::string>(
+         "--preset", [&p](const std::string& name) { set_preset(name, p); },
+         "Edge lengths and stitching by a name; options beside it win")
+      ->check(CLI::IsMember({"paper", "default", "simulator"}))
+      ->trigger_on_parse()
+      ->default_str("default");
+  EdgeLengths& e = p.edges;
+  app->add_option("--rho", e.rho, "Edge length over radius of curvature, up to 2")
+      ->capture_default_str();
+  auto* around = app->add_option("--edges-around", e.edges_around,
+                                 "Edges round a vessel, 4 to 100, in place of --rho");
+  auto* chord = app->add_option("--chord-error", e.chord_error,
+                                "Height of an edge's arc, voxels, in place of --rho");
+  auto* count = app->add_option("--triangles", e.triangles,
+                                "How many triangles, within 10 %: all lengths are scaled");
+  around->excludes(chord)->excludes(count);
+  chord->excludes(count);
+  app->add_option("--edge-min", e.edge_min, "Shortest edge length asked for, voxels")
+      ->capture_default_str();
+  app->add_option("--edge-max", e.edge_max, "Longest edge length asked for, voxels")
+      ->capture_default_str();
+  app->add_option("--gradation", e.gradation, "Growth of the edge length a length")
+      ->capture_default_str();
+  add_choice<StitchMode>(app, "--stitch",
+                         {{"paper", StitchMode::paper}, {"exact", StitchMode::exact}}, p.stitch,
+                         "How gaps are triangulated", "exact");
+  add_choice<SurfaceKind>(
+      app, "--surface", {{"adaptive", SurfaceKind::adaptive}, {"base", SurfaceKind::base}},
+      p.surface, "Triangles that follow the curvature, or the fine lattice's", "adaptive");
+}
+
 void add_parameters(CLI::App* app, Parameters& p, std::int64_t& read_memory) {
   app->add_option("--neighbours", p.neighbours, "Points of a normal's covariance, 3 to 64")
       ->capture_default_str();
@@ -93,6 +126,7 @@ void add_parameters(CLI::App* app, Parameters& p, std::int64_t& read_memory) {
   app->add_option("--min-component", p.min_component, "Drop pieces of fewer voxels")
       ->capture_default_str();
   add_space(app, p.space, "Space of the vertices");
+  add_edge_lengths(app, p);
   app->add_option_function<std::int64_t>(
          "--max-memory",
          [&p, &read_memory](std::int64_t bytes) { p.max_memory = read_memory = bytes; },

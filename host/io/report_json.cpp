@@ -31,6 +31,15 @@ Json to_json(const Parameters& parameters) {
           {"kernel_width", parameters.kernel_width},
           {"connectivity", static_cast<int>(parameters.connectivity)},
           {"close_handles", parameters.close_handles},
+          {"surface", parameters.surface == SurfaceKind::adaptive ? "adaptive" : "base"},
+          {"rho", parameters.edges.rho},
+          {"edges_around", parameters.edges.edges_around},
+          {"chord_error", parameters.edges.chord_error},
+          {"triangles", parameters.edges.triangles},
+          {"edge_min", parameters.edges.edge_min},
+          {"edge_max", parameters.edges.edge_max},
+          {"gradation", parameters.edges.gradation},
+          {"stitch", parameters.stitch == StitchMode::exact ? "exact" : "paper"},
           {"min_component", parameters.min_component},
           {"space", space_name(parameters.space)},
           {"max_memory", parameters.max_memory}};
@@ -84,6 +93,17 @@ Json to_json(const RelabelReport& relabel) {
           {"stuck_first", relabel.stuck_first},        {"clamped", relabel.clamped},
           {"repair_passes", relabel.repair_passes},    {"handles_closed", relabel.handles_closed},
           {"cavities_closed", relabel.cavities_closed}};
+}
+
+Json to_json(const MeshReport& mesh) {
+  return {{"predicted_triangles", mesh.predicted_triangles},
+          {"attempts", mesh.attempts},
+          {"rounds", mesh.rounds},
+          {"hard_share", mesh.hard_share},
+          {"base_share", mesh.base_share},
+          {"front_triangles", mesh.front_triangles},
+          {"gaps", mesh.gaps},
+          {"gap_triangles", mesh.gap_triangles}};
 }
 
 Json to_json(const Topology& topology) {
@@ -142,6 +162,7 @@ Json to_json(const Report& report) {
   out["stages"] = list(report.stages);
   out["levels"] = list(report.levels);
   out["relabel"] = to_json(report.relabel);
+  out["mesh"] = to_json(report.mesh);
   out["check"] = to_json(report.check);
   out["quality"] = to_json(report.quality);
   return out;

@@ -4,6 +4,7 @@
 /// The user's constants, with their defaults and ranges.
 
 #include <cstdint>
+#include <string>
 
 namespace vasamesh {
 
@@ -27,6 +28,38 @@ enum class Space {
   voxel,  ///< mm along the volume's own axes, from the centre of voxel (0, 0, 0)
 };
 
+/// Which triangles come out.
+enum class SurfaceKind {
+  adaptive,  ///< sizes that follow the curvature, close to equilateral
+  base,      ///< those of the cell lattice: about twelve times as many as marching cubes gives
+};
+
+/// How the triangulation of a gap is chosen among those that obey the rules.
+enum class StitchMode {
+  /// The paper's single pass by (alpha, beta, A): the largest least angle, then the smallest
+  /// largest dihedral angle, then the least area. The pass is exact in alpha alone: beta of a part
+  /// depends on what the part is joined to.
+  paper,
+  /// Two passes: the largest least angle alpha, then the least total cost over all triangulations
+  /// that reach it. Both exact.
+  exact,
+};
+
+/// How long the edges of the adaptive surface are to be, at a point of radius of curvature r:
+/// clamp(rho r, edge_min, edge_max), never above 1.25 r, and growing by at most `gradation` a
+/// length. At most one of edges_around, chord_error and triangles may be given; it takes the place
+/// of rho.
+struct EdgeLengths {
+  double rho = 0.6;             ///< edge length over radius of curvature, above 0 to 2
+  double edges_around = 0;      ///< edges round a vessel, 4 to 100: rho = 2 pi / edges_around
+  double chord_error = 0;       ///< voxels, above 0 to 1: sqrt(8 chord_error r) instead of rho r
+  std::int64_t triangles = 0;   ///< how many are wanted, within 10 %: rho, edge_min and edge_max
+                                ///< are scaled together
+  double edge_min = 1.0;        ///< voxels, above 0 to 100
+  double edge_max = 1.6;        ///< voxels, edge_min to 100
+  double gradation = 0.25;      ///< 0.01 to 2
+};
+
 /// Everything that a conversion may be asked. One kernel-width unit, and every "voxel" below, is
 /// the geometric mean of the three spacings.
 struct Parameters {
@@ -38,10 +71,18 @@ struct Parameters {
                                 ///< thick, in voxels, 0.5 to 4: the smoothing knob
   Connectivity connectivity = Connectivity::vertex;
   bool close_handles = false;   ///< fill tunnels and cavities that the smooth field does not have
+  SurfaceKind surface = SurfaceKind::adaptive;
+  EdgeLengths edges;            ///< of the adaptive surface
+  StitchMode stitch = StitchMode::exact;
   std::int64_t min_component = 0;  ///< drop pieces of fewer voxels; 0 keeps all
   Space space = Space::lps;
   std::int64_t max_memory = 0;  ///< bytes that the conversion may hold; 0: no limit
 };
+
+/// Sets edges and stitch by a name: "default"; "paper" (edges of about a voxel everywhere, which the
+/// triangle counts of the paper's Table 3 correspond to, and its single pass); "simulator" (fewer
+/// and larger triangles). \throws Error usage for another name.
+void set_preset(const std::string& name, Parameters& parameters);
 
 /// Throws Error(usage), naming the field and its range, when a parameter is outside it.
 void validate(const Parameters& parameters);

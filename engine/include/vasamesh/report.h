@@ -83,6 +83,18 @@ struct RelabelReport {
   std::int64_t cavities_closed = 0;
 };
 
+/// How the adaptive surface was made (engine/stages/polygonize.h); of the attempt that was taken.
+struct MeshReport {
+  double predicted_triangles = 0;    ///< before meshing, from the sizes
+  int attempts = 0;                  ///< surfaces that were made until one was proven
+  int rounds = 0;                    ///< of the front
+  double hard_share = 0;             ///< of the area: remeshed from the base surface
+  double base_share = 0;             ///< of the area: the base surface as it is
+  std::int64_t front_triangles = 0;  ///< that the front added
+  std::int64_t gaps = 0;             ///< that it left
+  std::int64_t gap_triangles = 0;    ///< that closed them
+};
+
 /// A distribution in a few numbers.
 struct Distribution {
   double mean = 0, deviation = 0, minimum = 0, percentile_5 = 0, median = 0, percentile_95 = 0,
@@ -134,6 +146,7 @@ struct Report {
   std::vector<StageReport> stages;
   std::vector<LevelReport> levels;   ///< coarse to fine
   RelabelReport relabel;
+  MeshReport mesh;
   CheckReport check;
   QualityReport quality;
 };

@@ -1,0 +1,238 @@
+#include "stages/polygonize.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "stages/expand.h"
+#include "stages/finish.h"
+#include "stages/hard.h"
+#include "stages/intersect.h"
+#include "stages/remesh.h"
+#include "stages/stitch.h"
+#include "vasamesh/errors.h"
+
+namespace vasamesh {
+
+namespace {
+
+constexpr int kExpansions = 4;                           // attempts of mesh expanding
+constexpr int kAims = 3;                                 // attempts at a number of triangles
+constexpr double kCountTolerance = 0.1;                  // of the triangles that are asked for
+constexpr float kLeastEdge = 0.05f, kLongestEdge = 100;  // voxel lengths
+constexpr std::uint32_t kNoVertex = 0xffffffffu;
+
+SizeRule rule_of(const EdgeLengths& edges) {
+  constexpr double kTwoPi = 6.283185307179586;
+  SizeRule rule;
+  rule.rho = static_cast<float>(edges.edges_around > 0 ? kTwoPi / edges.edges_around : edges.rho);
+  rule.chord_error = static_cast<float>(edges.chord_error);
+  rule.edge_min = static_cast<float>(edges.edge_min);
+  rule.edge_max = static_cast<float>(edges.edge_max);
+  rule.gradation = static_cast<float>(edges.gradation);
+  return rule;
+}
+
+SizeRule scaled(SizeRule rule, float factor) {
+  rule.rho *= factor;
+  rule.chord_error *= factor * factor;
+  rule.edge_min *= factor;
+  rule.edge_max *= factor;
+  return rule;
+}
+
+Vec3 vertex_at(const TriangleMesh& mesh, std::uint32_t v) {
+  const float* p = mesh.vertices.data() + 3 * std::size_t{v};
+  return {p[0], p[1], p[2]};
+}
+
+/// The chosen triangles of a mesh, and the vertices that they have.
+TriangleMesh part_of(const TriangleMesh& mesh, const std::vector<std::uint8_t>& chosen) {
+  TriangleMesh part;
+  std::vector<std::uint32_t> renamed(mesh.vertex_count(), kNoVertex);
+  for (std::size_t c = 0; c < mesh.triangles.size(); ++c) {
+    if (!chosen[c / 3]) continue;
+    const std::uint32_t v = mesh.triangles[c];
+    if (renamed[v] == kNoVertex) {
+      renamed[v] = static_cast<std::uint32_t>(part.vertex_count());
+      const float* p = mesh.vertices.data() + 3 * std::size_t{v};
+      part.vertices.insert(part.vertices.end(), p, p + 3);
+    }
+    part.triangles.push_back(renamed[v]);
+  }
+  return part;
+}
+
+double area_of(const TriangleMesh& mesh) {
+  double area = 0;
+  for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
+    const Vec3 a = vertex_at(mesh, mesh.triangles[3 * t]);
+    area += 0.5 * double{norm(cross(vertex_at(mesh, mesh.triangles[3 * t + 1]) - a,
+                                    vertex_at(mesh, mesh.triangles[3 * t + 2]) - a))};
+  }
+  return area;
+}
+
+/// The first vertices of the edges that have not one triangle on each side.
+std::vector<std::uint32_t> bad_edges(const TriangleMesh& mesh) {
+  std::vector<std::uint64_t> edges;
+  edges.reserve(mesh.triangles.size());
+  for (std::size_t t = 0; t < mesh.triangle_count(); ++t)
+    for (std::size_t i = 0; i < 3; ++i)
+      edges.push_back(std::uint64_t{mesh.triangles[3 * t + i]} << 32 |
+                      mesh.triangles[3 * t + (i + 1) % 3]);
+  std::sort(edges.begin(), edges.end());
+  std::vector<std::uint32_t> bad;
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    const std::uint64_t back = edges[i] << 32 | edges[i] >> 32;
+    const auto [first, last] = std::equal_range(edges.begin(), edges.end(), back);
+    if (last - first != 1 || (i > 0 && edges[i] == edges[i - 1]))
+      bad.push_back(static_cast<std::uint32_t>(edges[i] >> 32));
+  }
+  return bad;
+}
+
+}  // namespace
+
+Polygonizer::Polygonizer(Scheduler& scheduler, const Lattice& lattice,
+                         const std::array<int, 3>& size, const Scale& scale, TriangleMesh base,
+                         const Parameters& parameters)
+    : scheduler_(scheduler),
+      backend_(scheduler.backend_for(Stage::mesh)),
+      scale_(scale),
+      stitch_(parameters.stitch),
+      asked_(rule_of(parameters.edges)),
+      rule_(asked_),
+      wanted_triangles_(static_cast<double>(parameters.edges.triangles)),
+      base_(std::move(base)),
+      method_(parameters.surface == SurfaceKind::base ? Method::base : Method::expanded) {
+  for (std::size_t i = 0; i < base_.vertices.size(); ++i) base_.vertices[i] *= scale_[i % 3];
+  if (method_ == Method::base) return;
+  scheduler_.begin("sizes", Stage::mesh);
+  field_ = make_field(backend_, lattice, size, scale);
+  sizes_ = make_sizes(backend_, field_, base_, rule_);
+  if (wanted_triangles_ > 0) aim(wanted_triangles_);
+  report_.predicted_triangles = sizes_.predicted_triangles;
+}
+
+/// Scales the lengths until the prediction is right: it goes with their inverse square.
+void Polygonizer::aim(double triangles) {
+  constexpr int kSteps = 12;
+  float factor = rule_.edge_max / asked_.edge_max;
+  for (int step = 0; step < kSteps; ++step) {
+    const double ratio = sizes_.predicted_triangles / triangles;
+    if (std::fabs(ratio - 1) < 0.005) return;
+    factor *= static_cast<float>(std::sqrt(ratio));
+    factor = std::clamp(factor, kLeastEdge / asked_.edge_min, kLongestEdge / asked_.edge_max);
+    rule_ = scaled(asked_, factor);
+    apply_rule(backend_, field_, base_, rule_, sizes_);
+  }
+  const double reached = sizes_.predicted_triangles;
+  if (std::fabs(reached / triangles - 1) <= kCountTolerance) return;
+  throw Error(ErrorCode::usage, "this surface cannot have " +
+                                    std::to_string(static_cast<std::int64_t>(triangles)) +
+                                    " triangles: ask for about " +
+                                    std::to_string(static_cast<std::int64_t>(reached)) +
+                                    (reached > triangles ? " or more" : " or fewer"));
+}
+
+std::optional<TriangleMesh> Polygonizer::next() {
+  switch (method_) {
+    case Method::expanded:
+      last_ = expanded();
+      break;
+    case Method::remeshed:
+      last_ = remeshed();
+      break;
+    case Method::base:
+      last_ = base_;
+      report_.base_share = 1;
+      break;
+    case Method::none:
+      return std::nullopt;
+  }
+  ++report_.attempts;
+  return in_voxels(last_);
+}
+
+void Polygonizer::reject() {
+  if (method_ == Method::expanded) {
+    const std::size_t before = hard_places_.size();
+    for (const Vec3& place : places_of_defects()) hard_places_.push_back(place);
+    if (hard_places_.size() > before && report_.attempts < kExpansions) return;
+    method_ = Method::remeshed;
+  } else {
+    method_ = method_ == Method::remeshed ? Method::base : Method::none;
+  }
+}
+
+bool Polygonizer::accept_count(std::int64_t triangles) {
+  if (wanted_triangles_ == 0 || method_ == Method::base) return true;
+  const double ratio = static_cast<double>(triangles) / wanted_triangles_;
+  if (std::fabs(ratio - 1) <= kCountTolerance || ++aims_ == kAims) return true;
+  aim(sizes_.predicted_triangles / ratio);
+  return false;
+}
+
+TriangleMesh Polygonizer::expanded() {
+  const std::vector<std::uint8_t> hard =
+      find_hard_regions(backend_, field_, sizes_, rule_, base_, hard_places_);
+  const TriangleMesh part = part_of(base_, hard);
+  report_.hard_share = area_of(part) / area_of(base_);
+  const FieldView field = field_.view();
+  const SizeView sizes = sizes_.view(field_);
+
+  scheduler_.begin("remesh", Stage::mesh);
+  TriangleMesh patches;
+  if (!part.triangles.empty())
+    patches = report_.attempts == 0 ? remesh(backend_, field, sizes, part)
+                                    : remesh_proven(backend_, field, sizes, part).mesh;
+  scheduler_.begin("expand", Stage::mesh);
+  FrontResult front = expand(backend_, field_, sizes_, patches);
+  report_.rounds = front.rounds;
+  report_.front_triangles =
+      static_cast<std::int64_t>(front.mesh.triangle_count() - patches.triangle_count());
+
+  scheduler_.begin("stitch", Stage::mesh);
+  const StitchReport stitched =
+      stitch_gaps(backend_, field, sizes, stitch_, front.loops, front.mesh);
+  report_.gaps = stitched.loops;
+  report_.gap_triangles =
+      static_cast<std::int64_t>(front.mesh.triangle_count() - stitched.first_triangle);
+
+  scheduler_.begin("finish", Stage::mesh);
+  return finish(backend_, field, sizes, front.mesh);
+}
+
+TriangleMesh Polygonizer::remeshed() {
+  scheduler_.begin("remesh", Stage::mesh);
+  report_.hard_share = 1;
+  report_.rounds = 0;
+  report_.front_triangles = report_.gaps = report_.gap_triangles = 0;
+  ProvenSurface surface = remesh_proven(backend_, field_.view(), sizes_.view(field_), base_);
+  return std::move(surface.mesh);
+}
+
+/// Where the last surface is open, has an edge of several triangles or meets itself: a place for
+/// each that none before it is near to.
+std::vector<Vec3> Polygonizer::places_of_defects() const {
+  const float apart = rule_.edge_max;
+  std::vector<Vec3> places;
+  const auto add = [&](const Vec3& p) {
+    const auto near = [&](const Vec3& q) { return squared_norm(p - q) < apart * apart; };
+    if (!std::any_of(places.begin(), places.end(), near)) places.push_back(p);
+  };
+  for (const std::uint32_t v : bad_edges(last_)) add(vertex_at(last_, v));
+  const Intersections found =
+      find_intersections(backend_, last_, build_triangle_tree(backend_, last_));
+  for (const CarefulPlace& place : places_of(last_, found.pairs, apart, 1)) add(place.centre);
+  return places;
+}
+
+TriangleMesh Polygonizer::in_voxels(TriangleMesh mesh) const {
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) mesh.vertices[i] /= scale_[i % 3];
+  return mesh;
+}
+
+}  // namespace vasamesh
