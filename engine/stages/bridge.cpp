@@ -48,13 +48,13 @@ struct ChordTrial {
 class Bridger {
  public:
   Bridger(const TriangleMesh& mesh, const GapRules& rules, const GapLoops& loops,
-          std::vector<std::uint8_t> annular, GapRim& rim)
+          std::vector<float> turnings, GapRim& rim)
       : mesh_(mesh),
         rules_(rules),
         rim_(rim),
         loops_(loops.count()),
         extents_(loops.count()),
-        turning_(std::move(turning)) {
+        turnings_(std::move(turnings)) {
     for (std::size_t l = 0; l < loops.count(); ++l) {
       loops_[l].assign(loops[l].begin(), loops[l].end());
       measure(l);
@@ -64,12 +64,12 @@ class Bridger {
   void join_annuli() {
     for (std::size_t l = 0; l < loops_.size();) {
       BridgeTrial bridge;
-      if (turning_[l] >= kLeastTurning || loops_[l].empty() || !find_bridge(l, bridge)) {
+      if (turnings_[l] >= kLeastTurning || loops_[l].empty() || !find_bridge(l, bridge)) {
         ++l;
         continue;
       }
       join(l, bridge);
-      turning_[l] = turning_of(l);
+      turnings_[l] = turning_of(l);
     }
   }
 
@@ -83,7 +83,7 @@ class Bridger {
     for (std::size_t l = 0; l < loops_.size(); ++l) {
       if (loops_[l].empty()) continue;
       result_.loops.add(loops_[l]);
-      result_.turning.push_back(turning_[l]);
+      result_.turning.push_back(turnings_[l]);
     }
     return std::move(result_);
   }
@@ -267,8 +267,8 @@ class Bridger {
     loops_.insert(loops_.begin() + l + 1, std::move(rest));
     extents_.insert(extents_.begin() + l + 1, Extent{});
     measure(l + 1);
-    turning_[l] = turning_of(l);
-    turning_.insert(turning_.begin() + l + 1, turning_of(l + 1));
+    turnings_[l] = turning_of(l);
+    turnings_.insert(turnings_.begin() + l + 1, turning_of(l + 1));
   }
 
   const TriangleMesh& mesh_;
@@ -276,12 +276,12 @@ class Bridger {
   GapRim& rim_;
   std::vector<Loop> loops_;  ///< empty once joined to another
   std::vector<Extent> extents_;
-  std::vector<float> turning_;
+  std::vector<float> turnings_;
   BridgedLoops result_;
 };
 
-std::vector<float> find_turning(Backend& backend, const TriangleMesh& mesh, const GapLoops& loops,
-                                const GapRim& rim) {
+std::vector<float> find_turnings(Backend& backend, const TriangleMesh& mesh, const GapLoops& loops,
+                                 const GapRim& rim) {
   std::vector<float> result(loops.count());
   backend.run((loops.count() + kChunk - 1) / kChunk, [&](std::size_t chunk) {
     std::vector<Vec3> points, normals;
@@ -302,12 +302,12 @@ std::vector<float> find_turning(Backend& backend, const TriangleMesh& mesh, cons
 
 BridgedLoops bridge_loops(Backend& backend, const TriangleMesh& mesh, const GapRules& rules,
                           const GapLoops& loops, GapRim& rim) {
-  std::vector<float> turning = find_turning(backend, mesh, loops, rim);
+  std::vector<float> turnings = find_turnings(backend, mesh, loops, rim);
   bool any = false;
   for (std::size_t l = 0; l < loops.count(); ++l)
-    any |= turning[l] < kLeastTurning || loops.size(l) > kLongLoop;
-  if (!any) return {loops, std::move(turning), {}, 0, 0};
-  Bridger bridger(mesh, rules, loops, std::move(turning), rim);
+    any |= turnings[l] < kLeastTurning || loops.size(l) > kLongLoop;
+  if (!any) return {loops, std::move(turnings), {}, 0, 0};
+  Bridger bridger(mesh, rules, loops, std::move(turnings), rim);
   bridger.join_annuli();
   bridger.split_long_loops();
   return bridger.take();
