@@ -233,10 +233,11 @@ class Backend : public Memory {
                                       View<const std::uint32_t> nodes,
                                       View<std::uint8_t> state) = 0;
 
-  /// Marks nodes where the labels leave the solid too far, by more than `limit` (voxel lengths):
-  /// centres of boundary faces, and corners between such faces, without the surface near; and
-  /// relabelled nodes with a crossed edge whose crossing is far from every such centre. marks: a
-  /// byte a node, 0 in bricks that are not `active`. \return how many.
+  /// Marks nodes where the labels leave the solid's marching-cubes surface too far, by more than
+  /// `limit` (voxel lengths): centres of boundary faces, and corners round which lie polygons of a
+  /// marching cube, without the surface near; and relabelled nodes with a crossed edge whose
+  /// crossing is far from every such centre and side of a polygon. marks: a byte a node, 0 in
+  /// bricks that are not `active`. \return how many.
   virtual std::uint32_t lattice_mark_far(const BrickView& bricks, View<const std::uint8_t> active,
                                          const Scale& scale, float limit,
                                          View<const std::uint8_t> state, View<const float> values,
@@ -254,6 +255,12 @@ class Backend : public Memory {
   /// \return how many of the first kind may change their label.
   virtual std::uint32_t lattice_clamp(const BrickView& bricks, float least,
                                       View<const std::uint8_t> state, View<float> values) = 0;
+
+  /// Widens what is one node wide: each inside node whose two neighbours along an axis are outside
+  /// gets at least `share` of the larger |value| of theirs; then outside nodes between inside ones
+  /// likewise.
+  virtual void lattice_widen(const BrickView& bricks, float share, View<const std::uint8_t> state,
+                             View<float> values) = 0;
 
   // --- Base surface (engine/stages/surface.h). ---------------------------------------------------
 

@@ -24,7 +24,7 @@ namespace vasamesh {
 float distance_limit(const Scale& scale);
 
 /// Part of the distance limit that the labels may use; the rest is for the surface between.
-inline constexpr float kDistanceShare = 0.85f;
+inline constexpr float kDistanceShare = 0.8f;
 
 /// The bricks of nodes near the boundary, with the solid's labels and the field's values.
 Lattice build_lattice(Backend& backend, const BitVolume& object, const PointCloud& points,

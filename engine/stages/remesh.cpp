@@ -103,7 +103,7 @@ ProvenSurface remesh_proven(Backend& backend, const FieldView& field, const Size
   struct Attempt {
     float radius, factor;
   };
-  constexpr Attempt kAttempts[] = {{2, 0.6f}, {3, 0.4f}, {3, 0.25f}, {3, 0}, {6, 0}};
+  constexpr Attempt kAttempts[] = {{2, 0.6f}, {2, 0.4f}, {1.2f, 0}, {3, 0}, {6, 0}};
   ProvenSurface result;
   std::vector<TrianglePair> pairs;
   WorkingSurface surface = remesh_base(backend, {field, sizes, {}, false}, mesh);

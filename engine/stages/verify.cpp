@@ -5,6 +5,7 @@
 
 #include "stages/intersect.h"
 #include "stages/manifold.h"
+#include "stages/pieces.h"
 #include "stages/predicates.h"
 #include "stages/shells.h"
 #include "vasamesh/errors.h"
@@ -88,24 +89,6 @@ void take(const Shells& shells, CheckReport& report) {
   }
 }
 
-/// Pieces that their shells do not match, and shells of no piece.
-std::int64_t count_mismatches(const Shells& shells, const std::vector<Piece>& pieces) {
-  std::vector<Topology> got(pieces.size());
-  std::int64_t mismatches = 0;
-  for (const Shell& shell : shells.shells) {
-    if (shell.piece == PieceLookup::kNone) {
-      ++mismatches;
-      continue;
-    }
-    Topology& piece = got[shell.piece];
-    (shell.outward() ? piece.pieces : piece.cavities)++;
-    piece.handles += shell.genus();
-  }
-  for (std::size_t p = 0; p < pieces.size(); ++p)
-    mismatches += got[p] != Topology{1, pieces[p].handles, pieces[p].cavities};
-  return mismatches;
-}
-
 std::string text(const Topology& t) {
   return std::to_string(t.pieces) + "/" + std::to_string(t.handles) + "/" +
          std::to_string(t.cavities);
@@ -162,8 +145,7 @@ CheckReport check_surface(Backend& backend, const TriangleMesh& mesh, const Soli
   if (wanted) {
     report.has_wanted = true;
     report.wanted = wanted->solid->topology;
-    find_pieces(backend, mesh, *wanted, shells);
-    report.mismatched_pieces = count_mismatches(shells, wanted->solid->findings.pieces);
+    report.mismatched_pieces = count_mismatches(backend, mesh, tree, shells, *wanted);
   }
   report.reason = reason_of(report);
   report.passed = report.reason.empty();

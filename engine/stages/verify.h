@@ -22,9 +22,9 @@ struct SolidMatch {
 
 /// Examines `mesh`. Shells are joined by shared vertices; genus and shell counts say something
 /// where edges and vertices are manifold. A shell inside an even number of others must face outward
-/// (positive volume), inside an odd number inward. With `wanted`, each shell belongs to the piece
-/// nearest to it (most of its vertices, each to the nearest object voxel within two voxels); a
-/// piece matches when it has one outward shell, as many inward ones as cavities, and a genus sum
+/// (positive volume), inside an odd number inward. With `wanted`, an outward shell belongs to the
+/// piece whose voxels lie in it, an inward one to that of the shell round it (pieces.h); a piece
+/// matches when it has one outward shell, as many inward ones as cavities, and a genus sum
 /// equal to its handles. A shell that belongs to no piece counts as a mismatch too.
 ///
 /// \param wanted  may be null.

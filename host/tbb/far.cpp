@@ -75,6 +75,21 @@ constexpr std::array<NodeOffset, 12> kCubeFaces = {{{0, -1, -1},
                                                     {-1, 1, 0},
                                                     {1, 1, 0}}};
 
+/// The edges of the cube (of kCubeFaces) on each of its six sides.
+constexpr std::array<std::array<int, 4>, 6> cube_sides() {
+  std::array<std::array<int, 4>, 6> sides{};
+  for (std::size_t side = 0; side < 6; ++side) {
+    std::size_t found = 0;
+    for (std::size_t i = 0; i < 12; ++i) {
+      const NodeOffset o = kCubeFaces[i];
+      const int along = side / 2 == 0 ? o.x : side / 2 == 1 ? o.y : o.z;
+      if (along == (side % 2 ? 1 : -1)) sides[side][found++] = static_cast<int>(i);
+    }
+  }
+  return sides;
+}
+constexpr std::array<std::array<int, 4>, 6> kCubeSides = cube_sides();
+
 /// The tests on one lattice; lengths in voxel lengths.
 class FarTest {
  public:
@@ -117,6 +132,52 @@ class FarTest {
     const StateHalo* halo;
     std::size_t index;
     int x, y, z;
+  };
+
+  /// The distances of points of one marching cube to the surface, looked up when first needed.
+  class SurfaceNear {
+   public:
+    SurfaceNear(const FarTest& test, const Node& node, const std::array<bool, 12>& crossed)
+        : test_(test), node_(node) {
+      corner_ = test.surface_distance(node, 0.35f * test.limit_);
+      for (std::size_t i = 0; i < 12; ++i) {
+        const NodeOffset o = kCubeFaces[i];
+        if (!crossed[i]) continue;
+        const int x = node.x + o.x, y = node.y + o.y, z = node.z + o.z;
+        const Node face = {node.near, node.halo, node_at(node.near, x, y, z), x, y, z};
+        face_[i] = test.surface_distance(face, 0.35f * test.limit_);
+      }
+    }
+
+    /// Whether the middle of `size` face centres (of kCubeFaces) is far from the surface.
+    bool is_far(const std::array<int, 12>& faces, int size) {
+      Position middle{};
+      for (int k = 0; k < size; ++k) {
+        const Position face = at(faces[static_cast<std::size_t>(k)]);
+        for (std::size_t a = 0; a < 3; ++a) middle[a] += face[a] / static_cast<float>(size);
+      }
+      for (int k = 0; k < size; ++k) {
+        const auto i = static_cast<std::size_t>(faces[static_cast<std::size_t>(k)]);
+        if (face_[i] + std::sqrt(test_.square(at(static_cast<int>(i)), middle)) <= test_.limit_)
+          return false;
+      }
+      const Position corner = {static_cast<float>(node_.x), static_cast<float>(node_.y),
+                               static_cast<float>(node_.z)};
+      if (corner_ + std::sqrt(test_.square(corner, middle)) <= test_.limit_) return false;
+      if (crossings_.empty()) crossings_ = test_.crossings_round(node_);
+      return std::none_of(crossings_.begin(), crossings_.end(), [&](const Position& p) {
+        return test_.square(p, middle) <= test_.limit_ * test_.limit_;
+      });
+    }
+
+   private:
+    Position at(int face) const { return face_at(node_.x, node_.y, node_.z, face); }
+
+    const FarTest& test_;
+    const Node& node_;
+    float corner_;                  // from the corner to the surface, from above
+    std::array<float, 12> face_{};  // from the face centres
+    std::vector<Position> crossings_;
   };
 
   bool is_far(const Node& node) const {
@@ -192,7 +253,8 @@ class FarTest {
       const Position point = {static_cast<float>(node.x) + t * static_cast<float>(o.x),
                               static_cast<float>(node.y) + t * static_cast<float>(o.y),
                               static_cast<float>(node.z) + t * static_cast<float>(o.z)};
-      if (!face_centre_near(node, point, edge_length_[i % 7 + 1])) return true;
+      if (!face_centre_near(node, point, edge_length_[i % 7 + 1]) && !side_near(node, point))
+        return true;
     }
     return false;
   }
@@ -210,43 +272,126 @@ class FarTest {
     return false;
   }
 
-  /// Whether the middle between two boundary faces of the marching cube round a corner is far from
-  /// the surface: there the cube's triangles may lie.
-  bool cube_is_far(const Node& node) const {
-    struct Face {
-      Position at;
-      float distance;  // to the surface, from above
-    };
-    std::array<Face, 12> faces;
-    std::size_t count = 0;
-    for (const NodeOffset& o : kCubeFaces) {
-      Node face = {node.near, node.halo, 0, node.x + o.x, node.y + o.y, node.z + o.z};
-      const std::uint8_t state = node.halo->values[StateHalo::at(face.x, face.y, face.z)];
-      if ((state & StateHalo::kMissing) || !(state & kFaceCentre)) continue;
-      face.index = node_at(face.near, face.x, face.y, face.z);
-      faces[count++] = {
-          {static_cast<float>(face.x), static_cast<float>(face.y), static_cast<float>(face.z)},
-          surface_distance(face, 0.35f * limit_)};
+  /// The boundary faces of the marching cube round a corner and the sides of its polygons: on each
+  /// of the cube's six sides up to two, from face to face, that part object from background.
+  struct Cube {
+    std::array<bool, 12> crossed{};              // of kCubeFaces
+    std::array<std::array<int, 2>, 12> sides{};  // of kCubeFaces
+    std::size_t side_count = 0;
+    int count = 0;  // crossed ones
+  };
+
+  Cube cube_round(const std::int32_t* near, int x, int y, int z) const {
+    Cube cube;
+    for (std::size_t i = 0; i < 12; ++i) {
+      const NodeOffset o = kCubeFaces[i];
+      const std::size_t face = node_at(near, x + o.x, y + o.y, z + o.z);
+      cube.crossed[i] = face != kNoNode && (state_[face] & kFaceCentre);
+      cube.count += cube.crossed[i];
     }
-    if (count < 2) return false;
-    const Position corner = {static_cast<float>(node.x), static_cast<float>(node.y),
-                             static_cast<float>(node.z)};
-    const float from_corner = surface_distance(node, 0.35f * limit_);
-    std::vector<Position> surface;
-    for (std::size_t i = 0; i < count; ++i)
+    if (cube.count < 3) return cube;
+    for (const auto& side : kCubeSides) {
+      std::array<int, 4> found{};
+      int count = 0;
+      for (const int i : side)
+        if (cube.crossed[static_cast<std::size_t>(i)]) found[static_cast<std::size_t>(count++)] = i;
+      if (count == 2) cube.sides[cube.side_count++] = {found[0], found[1]};
+      if (count == 4) add_parted_sides(near, {x, y, z}, side, cube);
+    }
+    return cube;
+  }
+
+  /// The two sides that part the object's corners of an ambiguous side from each other.
+  void add_parted_sides(const std::int32_t* near, const std::array<int, 3>& corner,
+                        const std::array<int, 4>& side, Cube& cube) const {
+    for (std::size_t i = 0; i < 4; ++i)
       for (std::size_t j = 0; j < i; ++j) {
-        const float half = 0.5f * std::sqrt(square(faces[i].at, faces[j].at));
-        if (std::min(faces[i].distance, faces[j].distance) + half <= limit_) continue;
-        Position middle;
-        for (std::size_t k = 0; k < 3; ++k) middle[k] = 0.5f * (faces[i].at[k] + faces[j].at[k]);
-        if (from_corner + std::sqrt(square(corner, middle)) <= limit_) continue;
-        if (surface.empty()) surface = crossings_round(node);
-        const bool near = std::any_of(surface.begin(), surface.end(), [&](const Position& p) {
-          return square(p, middle) <= limit_ * limit_;
-        });
-        if (!near) return true;
+        const NodeOffset a = kCubeFaces[static_cast<std::size_t>(side[i])],
+                         b = kCubeFaces[static_cast<std::size_t>(side[j])];
+        // The voxel that both touch; parallel edges of the cube's side touch none.
+        const auto join = [](int p, int q) { return p == q || q == 0 ? p : p == 0 ? q : 0; };
+        const int x = join(a.x, b.x), y = join(a.y, b.y), z = join(a.z, b.z);
+        if (x == 0 || y == 0 || z == 0) continue;
+        const std::size_t voxel = node_at(near, corner[0] + x, corner[1] + y, corner[2] + z);
+        if (voxel != kNoNode && (state_[voxel] & kSolid))
+          cube.sides[cube.side_count++] = {side[i], side[j]};
+      }
+  }
+
+  /// Whether a side of a marching cube's polygons lies within the limit of a point.
+  bool side_near(const Node& node, const Position& point) const {
+    std::array<int, 3> corner;
+    for (std::size_t a = 0; a < 3; ++a)
+      corner[a] = 2 * static_cast<int>(std::floor(0.5f * point[a] + 0.5f));
+    for (int k = 0; k < 27; ++k) {
+      const int x = corner[0] + 2 * (k % 3 - 1), y = corner[1] + 2 * (k / 3 % 3 - 1),
+                z = corner[2] + 2 * (k / 9 - 1);
+      const Cube cube = cube_round(node.near, x, y, z);
+      for (std::size_t s = 0; s < cube.side_count; ++s)
+        if (square_to_segment(point, face_at(x, y, z, cube.sides[s][0]),
+                              face_at(x, y, z, cube.sides[s][1])) <= limit_ * limit_)
+          return true;
+    }
+    return false;
+  }
+
+  static Position face_at(int x, int y, int z, int i) {
+    const NodeOffset o = kCubeFaces[static_cast<std::size_t>(i)];
+    return {static_cast<float>(x + o.x), static_cast<float>(y + o.y), static_cast<float>(z + o.z)};
+  }
+
+  float square_to_segment(const Position& p, const Position& a, const Position& b) const {
+    float along = 0, length = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const float step = 0.5f * scale_[i];
+      along += step * (p[i] - a[i]) * (step * (b[i] - a[i]));
+      length += step * (b[i] - a[i]) * (step * (b[i] - a[i]));
+    }
+    const float t = std::clamp(along / length, 0.0f, 1.0f);
+    Position nearest;
+    for (std::size_t i = 0; i < 3; ++i) nearest[i] = a[i] + t * (b[i] - a[i]);
+    return square(p, nearest);
+  }
+
+  /// Whether a polygon of the marching cube round a corner is far from the surface, in its middle
+  /// or between two of its corners.
+  bool cube_is_far(const Node& node) const {
+    const Cube cube = cube_round(node.near, node.x, node.y, node.z);
+    if (cube.count < 3) return false;
+    SurfaceNear surface(*this, node, cube.crossed);
+    std::array<bool, 12> seen{};
+    for (int first = 0; first < 12; ++first) {
+      if (!cube.crossed[static_cast<std::size_t>(first)] || seen[static_cast<std::size_t>(first)])
+        continue;
+      std::array<int, 12> polygon{};
+      int size = 0;
+      for (int i = first; i >= 0; i = next_corner(cube, seen, i)) {
+        seen[static_cast<std::size_t>(i)] = true;
+        polygon[static_cast<std::size_t>(size++)] = i;
+      }
+      if (polygon_is_far(polygon, size, surface)) return true;
+    }
+    return false;
+  }
+
+  static bool polygon_is_far(const std::array<int, 12>& polygon, int size, SurfaceNear& surface) {
+    for (std::size_t i = 0; i < static_cast<std::size_t>(size); ++i)
+      for (std::size_t j = 0; j < i; ++j) {
+        if (surface.is_far({polygon[i], polygon[j]}, 2)) return true;
+        for (std::size_t k = 0; k < j; ++k)
+          if (surface.is_far({polygon[i], polygon[j], polygon[k]}, 3)) return true;
       }
     return false;
+  }
+
+  /// A corner of the polygon that a side joins to corner i and that has not been seen; -1 for none.
+  static int next_corner(const Cube& cube, const std::array<bool, 12>& seen, int i) {
+    for (std::size_t s = 0; s < cube.side_count; ++s) {
+      const auto& [a, b] = cube.sides[s];
+      const int other = a == i ? b : b == i ? a : -1;
+      if (other >= 0 && !seen[static_cast<std::size_t>(other)]) return other;
+    }
+    return -1;
   }
 
   /// Where the surface crosses the edges of the nodes near a node.
