@@ -190,6 +190,7 @@ std::uint32_t PatchMesh::split(std::uint32_t h, const SurfacePoint& point) {
   link(e, f);
   origin_[t] = m;
   if (edge_[q] == t) edge_[q] = f;
+  if (edge_[d] == r) edge_[d] = f + 2;
   return m;
 }
 
