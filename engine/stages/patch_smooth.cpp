@@ -54,16 +54,21 @@ void smooth_vertex(PatchMesh& mesh, const RemeshGoal& goal, std::uint32_t v) {
   }
 }
 
-/// The same in the mesh's own tangent planes, where the field is of no use, and only if no
-/// triangles come to meet.
-void smooth_off_field(PatchMesh& mesh, const std::vector<std::uint32_t>& vertices) {
+/// The same where the field was of no use: onto the surface if it is of use by now, else in the
+/// mesh's own tangent plane; and only if no triangles come to meet.
+void smooth_off_field(PatchMesh& mesh, const RemeshGoal& goal,
+                      const std::vector<std::uint32_t>& vertices) {
   Clearance clearance(mesh);
   for (std::uint32_t v : vertices) {
     mesh.points[v].normal = fan_normal(mesh, v);
     SurfacePoint moved = mesh.points[v];
+    const float limit = std::min(kSine25, facing_fan_quality(mesh, v));
+    if (put_onto_surface(goal, kReach, moved) && may_move(mesh, v, moved, limit) &&
+        clearance.move_if_clear(mesh, v, moved))
+      continue;
+    moved = mesh.points[v];
     moved.position = moved.position + smoothing_step(mesh, v);
-    if (may_move(mesh, v, moved, std::min(kSine25, facing_fan_quality(mesh, v))))
-      clearance.move_if_clear(mesh, v, moved);
+    if (may_move(mesh, v, moved, limit)) clearance.move_if_clear(mesh, v, moved);
   }
 }
 
@@ -76,7 +81,7 @@ void smooth(PatchMesh& mesh, const RemeshGoal& goal, int passes) {
       (mesh.points[v].on_field ? on_field : off_field).push_back(v);
   for (int pass = 0; pass < passes; ++pass)
     for (std::uint32_t v : on_field) smooth_vertex(mesh, goal, v);
-  if (!off_field.empty()) smooth_off_field(mesh, off_field);
+  if (!off_field.empty()) smooth_off_field(mesh, goal, off_field);
 }
 
 }  // namespace vasamesh
