@@ -18,11 +18,12 @@ constexpr float kHeight = 8;
 
 /// Vertices (x, y) on the plane z = 8 and the triangles between them.
 PatchMesh flat_patch(const std::vector<Vec3>& places, const std::vector<std::uint32_t>& corners,
-                     float size) {
+                     float size, std::vector<std::uint8_t> whole = {}) {
   std::vector<SurfacePoint> points;
   for (const Vec3& p : places) points.push_back({p, {0, 0, 1}, size});
   PatchMesh patch;
-  patch.build(std::move(points), corners, std::vector<std::uint8_t>(places.size(), 1));
+  whole.resize(places.size(), 1);
+  patch.build(std::move(points), corners, std::move(whole));
   return patch;
 }
 
@@ -132,7 +133,15 @@ TEST_F(PatchPasses, SmoothingCentresAVertex) {
   EXPECT_NEAR(patch.points[0].position.x, 8, 0.05);
   EXPECT_NEAR(patch.points[0].position.y, 8, 0.05);
   EXPECT_NEAR(patch.points[0].position.z, kHeight, 1e-3);
-  EXPECT_EQ(patch.points[3].position.z, kHeight);  // of the border: as it was
+}
+
+TEST_F(PatchPasses, SmoothingMovesABorderAlongItself) {
+  // The middle of the lower side of a strip, off its place both along the side and across it.
+  PatchMesh patch = flat_patch({{7, 8, 8}, {8.3f, 8.1f, 8}, {9, 8, 8}, {7.5f, 9, 8}, {8.5f, 9, 8}},
+                               {0, 1, 3, 1, 4, 3, 1, 2, 4}, 1, {0, 1, 0, 0, 0});
+  smooth(patch, goal(1), 1);
+  EXPECT_NEAR(patch.points[1].position.x, 8.15f, 0.01f);
+  EXPECT_NEAR(patch.points[1].position.y, 8.05f, 0.01f);
 }
 
 TEST_F(PatchPasses, EqualiseRaisesTheLeastEdgeRatio) {

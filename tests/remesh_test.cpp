@@ -200,7 +200,7 @@ TEST(Remesh, APatchKeepsItsBorders) {
   EXPECT_EQ(report.intersecting_pairs, 0);
   for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) {
     const Vec3 p = vertex_at(mesh, v);
-    EXPECT_NEAR(norm(Vec3{0, p.y - 8, p.z - 8}), 3, 0.05);
+    EXPECT_NEAR(norm(Vec3{0, p.y - 8, p.z - 8}), 3, 0.05) << "vertex " << v << " at " << p.x << " " << p.y << " " << p.z;
     EXPECT_GT(p.x, 11.5f);
     EXPECT_LT(p.x, 28.5f);
   }
