@@ -1,7 +1,9 @@
 #include "stages/bridge.h"
 
 #include <algorithm>
+#include <cmath>
 #include <tuple>
+#include <utility>
 
 namespace vasamesh {
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <span>
 #include <tuple>
+#include <utility>
 
 #include "stages/bridge.h"
 #include "stages/close_gap.h"
