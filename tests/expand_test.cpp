@@ -5,6 +5,7 @@
 #include "stages/expand.h"
 
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
 
 #include <algorithm>
 #include <cmath>
@@ -198,6 +199,8 @@ TEST(Expand, EdgesFollowTheSizes) {
 }
 
 TEST(Expand, SameForAnyNumberOfThreadsAndInEveryRepeat) {
+  // Four workers even where there are fewer cores.
+  const tbb::global_control four(tbb::global_control::max_allowed_parallelism, 4);
   const Scene scene({48, 48, 48}, random_tree(7, 6, 48));
   const FrontResult first = scene.expand({}, 1);
   for (const int threads : {1, 2, 4}) {

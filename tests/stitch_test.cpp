@@ -423,15 +423,22 @@ TEST(Stitch, ATubesEndIsNotCapped) {
 }
 
 TEST(Stitch, AThinTubesEndIsNotCapped) {
-  // Five edges round the tube.
-  Scene thin{torus_field(20, {10, 10, 10}, 6, 0.8f), moved(torus(6, 0.8f, 40, 5), {10, 10, 10}), 1};
-  for (const StitchMode mode : {StitchMode::exact, StitchMode::paper}) {
-    TriangleMesh mesh = cut(thin.mesh, [](const Vec3& p) { return p.y > 10; });
-    const StitchReport report = stitch(thin, mesh, mode);
-    EXPECT_EQ(report.loops, 2);
-    EXPECT_EQ(report.open.size(), 2u);
-    EXPECT_EQ(mesh.triangle_count(), report.first_triangle);
-  }
+  const auto try_tube = [](float radius, int around) {
+    Scene thin{torus_field(20, {10, 10, 10}, 6, radius),
+               moved(torus(6, radius, 40, around), {10, 10, 10}), 1};
+    for (const StitchMode mode : {StitchMode::exact, StitchMode::paper}) {
+      TriangleMesh mesh = cut(thin.mesh, [](const Vec3& p) { return p.y > 10; });
+      const StitchReport report = stitch(thin, mesh, mode);
+      EXPECT_EQ(report.loops, 2) << radius;
+      EXPECT_EQ(report.open.size(), 2u) << radius;
+      EXPECT_EQ(mesh.triangle_count(), report.first_triangle) << radius;
+    }
+  };
+  try_tube(0.5f, 3);
+  try_tube(0.6f, 4);
+  try_tube(0.8f, 5);
+  try_tube(1.2f, 8);
+  try_tube(1.6f, 10);
 }
 
 TEST(Stitch, AThinTubeIsJoined) {

@@ -1,7 +1,9 @@
 #include "stages/bridge.h"
 
 #include <algorithm>
+#include <cmath>
 #include <tuple>
+#include <utility>
 
 namespace vasamesh {
 
@@ -48,13 +50,13 @@ struct ChordTrial {
 class Bridger {
  public:
   Bridger(const TriangleMesh& mesh, const GapRules& rules, const GapLoops& loops,
-          std::vector<std::uint8_t> annular, GapRim& rim)
+          std::vector<float> turnings, GapRim& rim)
       : mesh_(mesh),
         rules_(rules),
         rim_(rim),
         loops_(loops.count()),
         extents_(loops.count()),
-        annular_(std::move(annular)) {
+        turnings_(std::move(turnings)) {
     for (std::size_t l = 0; l < loops.count(); ++l) {
       loops_[l].assign(loops[l].begin(), loops[l].end());
       measure(l);
@@ -64,12 +66,12 @@ class Bridger {
   void join_annuli() {
     for (std::size_t l = 0; l < loops_.size();) {
       BridgeTrial bridge;
-      if (!annular_[l] || loops_[l].empty() || !find_bridge(l, bridge)) {
+      if (turnings_[l] >= kLeastTurning || loops_[l].empty() || !find_bridge(l, bridge)) {
         ++l;
         continue;
       }
       join(l, bridge);
-      annular_[l] = turns_too_little(l);
+      turnings_[l] = turning_of(l);
     }
   }
 
@@ -83,7 +85,7 @@ class Bridger {
     for (std::size_t l = 0; l < loops_.size(); ++l) {
       if (loops_[l].empty()) continue;
       result_.loops.add(loops_[l]);
-      result_.annular.push_back(annular_[l]);
+      result_.turning.push_back(turnings_[l]);
     }
     return std::move(result_);
   }
@@ -97,13 +99,13 @@ class Bridger {
     for (std::uint32_t v : loops_[l]) extents_[l].add(at(v));
   }
 
-  bool turns_too_little(std::size_t l) const {
+  float turning_of(std::size_t l) const {
     std::vector<Vec3> points, normals;
     for (std::uint32_t v : loops_[l]) {
       points.push_back(at(v));
       normals.push_back(rim_.normal(v));
     }
-    return turning(points, normals) < kLeastTurning;
+    return turning(points, normals);
   }
 
   float longest_edge(const Loop& loop) const {
@@ -266,8 +268,9 @@ class Bridger {
     measure(l);
     loops_.insert(loops_.begin() + l + 1, std::move(rest));
     extents_.insert(extents_.begin() + l + 1, Extent{});
-    annular_.insert(annular_.begin() + l + 1, annular_[l]);
     measure(l + 1);
+    turnings_[l] = turning_of(l);
+    turnings_.insert(turnings_.begin() + l + 1, turning_of(l + 1));
   }
 
   const TriangleMesh& mesh_;
@@ -275,14 +278,13 @@ class Bridger {
   GapRim& rim_;
   std::vector<Loop> loops_;  ///< empty once joined to another
   std::vector<Extent> extents_;
-  std::vector<std::uint8_t> annular_;
+  std::vector<float> turnings_;
   BridgedLoops result_;
 };
 
-/// Whether each loop turns too little to go round a disc.
-std::vector<std::uint8_t> flag_annuli(Backend& backend, const TriangleMesh& mesh,
-                                      const GapLoops& loops, const GapRim& rim) {
-  std::vector<std::uint8_t> flagged(loops.count());
+std::vector<float> find_turnings(Backend& backend, const TriangleMesh& mesh, const GapLoops& loops,
+                                 const GapRim& rim) {
+  std::vector<float> result(loops.count());
   backend.run((loops.count() + kChunk - 1) / kChunk, [&](std::size_t chunk) {
     std::vector<Vec3> points, normals;
     for (std::size_t l = chunk * kChunk; l < std::min((chunk + 1) * kChunk, loops.count()); ++l) {
@@ -292,21 +294,22 @@ std::vector<std::uint8_t> flag_annuli(Backend& backend, const TriangleMesh& mesh
         points.push_back(position(mesh, v));
         normals.push_back(rim.normal(v));
       }
-      flagged[l] = turning(points, normals) < kLeastTurning;
+      result[l] = turning(points, normals);
     }
   });
-  return flagged;
+  return result;
 }
 
 }  // namespace
 
 BridgedLoops bridge_loops(Backend& backend, const TriangleMesh& mesh, const GapRules& rules,
                           const GapLoops& loops, GapRim& rim) {
-  std::vector<std::uint8_t> annular = flag_annuli(backend, mesh, loops, rim);
-  bool any = std::find(annular.begin(), annular.end(), 1) != annular.end();
-  for (std::size_t l = 0; l < loops.count() && !any; ++l) any = loops.size(l) > kLongLoop;
-  if (!any) return {loops, std::move(annular), {}, 0, 0};
-  Bridger bridger(mesh, rules, loops, std::move(annular), rim);
+  std::vector<float> turnings = find_turnings(backend, mesh, loops, rim);
+  bool any = false;
+  for (std::size_t l = 0; l < loops.count(); ++l)
+    any |= turnings[l] < kLeastTurning || loops.size(l) > kLongLoop;
+  if (!any) return {loops, std::move(turnings), {}, 0, 0};
+  Bridger bridger(mesh, rules, loops, std::move(turnings), rim);
   bridger.join_annuli();
   bridger.split_long_loops();
   return bridger.take();

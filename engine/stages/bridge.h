@@ -23,7 +23,7 @@ inline constexpr std::size_t kLongLoop = 128;
 
 struct BridgedLoops {
   GapLoops loops;                        ///< in the order of their first loops
-  std::vector<std::uint8_t> annular;     ///< a loop: it turns too little, and found no other
+  std::vector<float> turning;            ///< of each loop
   std::vector<std::uint32_t> triangles;  ///< of the bridges: vertices of the mesh, three each
   std::int64_t bridges = 0;              ///< pairs of loops joined
   std::int64_t splits = 0;               ///< chords that split a loop

@@ -15,7 +15,7 @@
 namespace vasamesh {
 
 /// Gaps of more corners are not tried.
-inline constexpr std::size_t kMostGapCorners = 512;
+inline constexpr std::size_t kMostGapCorners = 256;
 
 /// Corners of a gap that may not be joined, since another gap, or another place of this one, has
 /// that edge.

@@ -7,25 +7,35 @@
 
 namespace vasamesh {
 
+namespace {
+
+constexpr int kMostWaves = 8;  // of seeds
+constexpr double kBudget = 3;  // times the predicted triangles
+constexpr std::size_t kLeastBudget = 1000;
+
+/// Of the last rounds: what is left may be closed by less regular triangles.
+constexpr FrontLimits kLastLimits = {
+    .join_reach = 1.3f, .least_tau = 0.3f, .least_angle = 0.35f, .off_surface = 0.28f};
+
+}  // namespace
+
 FrontResult expand(Backend& backend, const IndicatorField& field, const SizeField& sizes,
                    const TriangleMesh& patches) {
-  constexpr int kMostWaves = 8;
-  constexpr double kBudget = 3;  // times the predicted triangles
   const FieldView view = field.view();
   const SizeView size_view = sizes.view(field);
   Front front = take_patches(backend, view, size_view, patches);
-  const auto most = static_cast<std::size_t>(kBudget * sizes.predicted_triangles) + 1000 +
+  const auto most = static_cast<std::size_t>(kBudget * sizes.predicted_triangles) + kLeastBudget +
                     patches.triangle_count();
   FrontRounds rounds(backend, view, size_view, front, most);
 
+  FrontSeeds seeds(view, size_view, sizes.samples);
   bool in_budget = true;
   for (int wave = 0; wave < kMostWaves && in_budget; ++wave) {
-    if (add_seeds(backend, view, size_view, sizes.samples, front) == 0 && wave > 0) break;
+    if (seeds.add(backend, front) == 0 && wave > 0) break;
     in_budget = rounds.run({});
   }
-  // What is left may be closed by less regular triangles.
   for (const std::uint32_t corner : front.alive) front.state[corner] = kChanged;
-  if (in_budget) in_budget = rounds.run({1.3f, 0.3f, 0.35f, 0.28f});
+  if (in_budget) in_budget = rounds.run(kLastLimits);
 
   FrontResult result = give_result(front);
   result.rounds = rounds.count();

@@ -19,23 +19,23 @@ struct BoundaryEdge {
 
 class EdgeGrid {
  public:
-  explicit EdgeGrid(const FieldView& field) : field_(field), first_(cell_count(field) + 2) {}
+  explicit EdgeGrid(const FieldView& field) : field_(field), head_(cell_count(field) + 1, kNone) {}
 
-  /// Takes the edges of all corners that are alive.
+  /// Takes the edges of all corners that are alive, in place of those before.
   void build(Backend& backend, const Front& front);
 
   /// Appends the edges whose midpoints lie in the cells of a box, in a fixed order.
   void gather(const CellBox& box, std::vector<BoundaryEdge>& edges) const {
     for_cells(field_, box, [&](std::size_t cell) {
-      edges.insert(edges.end(), edges_.begin() + first_[cell], edges_.begin() + first_[cell + 1]);
+      for (std::uint32_t i = head_[cell]; i != kNone; i = next_[i]) edges.push_back(edges_[i]);
     });
   }
 
  private:
   const FieldView field_;
-  std::vector<std::uint32_t> first_;  ///< a cell: its edges begin here; one more for no brick
-  std::vector<std::uint32_t> cell_, place_;
-  std::vector<BoundaryEdge> edges_;
+  std::vector<std::uint32_t> head_;         ///< a cell: its last edge
+  std::vector<std::uint32_t> cell_, next_;  ///< an edge: its cell, and the one before it there
+  std::vector<BoundaryEdge> edges_;         ///< by ascending corner
 };
 
 /// All vertices of the front, in a list a cell.

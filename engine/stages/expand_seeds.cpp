@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "stages/expand_checks.h"
-#include "stages/expand_grid.h"
 #include "stages/expand_place.h"
 
 namespace vasamesh {
@@ -106,33 +105,42 @@ void add_hexagon(const SizeView& sizes, const Vec3& p, const Vec3& normal, const
 
 }  // namespace
 
-std::size_t add_seeds(Backend& backend, const FieldView& field, const SizeView& sizes,
-                      const SurfaceSamples& samples, Front& front) {
-  VertexGrid grid(field);
-  grid.update(front);
-  std::vector<std::uint8_t> open(samples.count(), 0);
-  backend.run((samples.count() + kGrain - 1) / kGrain, [&](std::size_t task) {
-    const std::size_t end = std::min((task + 1) * kGrain, samples.count());
+FrontSeeds::FrontSeeds(const FieldView& field, const SizeView& sizes, const SurfaceSamples& samples)
+    : field_(field), sizes_(sizes), samples_(samples), vertices_(field) {
+  for (std::uint32_t i = 0; i < samples.count(); ++i)
+    if (samples.radius[i] > 0) open_.push_back(i);
+}
+
+void FrontSeeds::drop_covered(Backend& backend, const Front& front) {
+  vertices_.update(front);
+  std::vector<std::uint8_t> covered(open_.size());
+  backend.run((open_.size() + kGrain - 1) / kGrain, [&](std::size_t task) {
+    const std::size_t end = std::min((task + 1) * kGrain, open_.size());
     for (std::size_t i = task * kGrain; i < end; ++i) {
-      const Vec3 &p = samples.position[i], &normal = samples.normal[i];
-      open[i] = samples.radius[i] > 0 &&
-                !grid.any_near(front, p, kClear * size_at(sizes, p), [&](std::uint32_t v) {
-                  return dot(front.normal[v], normal) > -kSameSheet;
-                });
+      const Vec3 &p = samples_.position[open_[i]], &normal = samples_.normal[open_[i]];
+      covered[i] = vertices_.any_near(front, p, kClear * size_at(sizes_, p), [&](std::uint32_t v) {
+        return dot(front.normal[v], normal) > -kSameSheet;
+      });
     }
   });
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < open_.size(); ++i)
+    if (!covered[i]) open_[kept++] = open_[i];
+  open_.resize(kept);
+}
 
-  SparsePoints taken(field, kApart * sizes.elsewhere);
+std::size_t FrontSeeds::add(Backend& backend, Front& front) {
+  drop_covered(backend, front);
+  SparsePoints taken(field_, kApart * sizes_.elsewhere);
   std::size_t count = 0;
-  for (std::size_t i = 0; i < samples.count(); ++i) {
-    if (!open[i]) continue;
-    const Vec3 &p = samples.position[i], &normal = samples.normal[i];
-    const float edge = size_at(sizes, p);
+  for (const std::uint32_t i : open_) {
+    const Vec3 &p = samples_.position[i], &normal = samples_.normal[i];
+    const float edge = size_at(sizes_, p);
     if (taken.any_near(p, kApart * edge)) continue;
-    const Hexagon hexagon = make_hexagon(field, p, normal, edge);
+    const Hexagon hexagon = make_hexagon(field_, p, normal, edge);
     if (!hexagon.good) continue;
     taken.add(p);
-    add_hexagon(sizes, p, normal, hexagon, front);
+    add_hexagon(sizes_, p, normal, hexagon, front);
     ++count;
   }
   return count;

@@ -3,15 +3,33 @@
 /// \file
 /// Where the front starts: hexagons on the parts of the surface that it has not come to.
 
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
 #include "backend/backend.h"
 #include "stages/expand_front.h"
+#include "stages/expand_grid.h"
 #include "stages/sizing.h"
 
 namespace vasamesh {
 
-/// Adds a hexagon at samples of the surface that lie more than two edge lengths from every vertex
-/// of the front and about nine from one another. \return how many.
-std::size_t add_seeds(Backend& backend, const FieldView& field, const SizeView& sizes,
-                      const SurfaceSamples& samples, Front& front);
+class FrontSeeds {
+ public:
+  FrontSeeds(const FieldView& field, const SizeView& sizes, const SurfaceSamples& samples);
+
+  /// Adds a hexagon at samples of the surface that lie more than two edge lengths from every vertex
+  /// of the front and about ten from one another. \return how many.
+  std::size_t add(Backend& backend, Front& front);
+
+ private:
+  void drop_covered(Backend& backend, const Front& front);
+
+  const FieldView field_;
+  const SizeView sizes_;
+  const SurfaceSamples& samples_;
+  VertexGrid vertices_;
+  std::vector<std::uint32_t> open_;  ///< samples that no vertex has been near, ascending
+};
 
 }  // namespace vasamesh

@@ -30,10 +30,13 @@ void finish(Backend& backend, const RemeshGoal& goal, WorkingSurface& surface) {
                      flip_to_angle(part, 3);
                      smooth(part, goal, 2);
                      equalise(part, goal, 2);
-                     if (round < kRounds - 1)
+                     if (round < kRounds - 1) {
                        repair(part, goal, kSine20, 2);
-                     else
-                       repair(part, goal, kSine25, 24);
+                       return;
+                     }
+                     repair(part, goal, kSine40, 3);
+                     equalise(part, goal, 4);
+                     repair(part, goal, kSine25, 24);
                    });
   for (int round = 0; round < kLastRounds && any_poor(surface); ++round)
     for_each_block(backend, {kBlock, 0.23f * static_cast<float>(round)}, surface,

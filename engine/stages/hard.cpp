@@ -11,6 +11,8 @@ constexpr float kThin = 0.7f;    // of edge_min: a smaller radius of curvature i
 constexpr float kRoom = 0.6f;    // of edge_min: no other sheet within this, along the normal
 constexpr float kGrowth = 3.0f;  // edge lengths that regions are grown by
 constexpr float kFar = 1e6f;
+constexpr float kBeside = 1e-3f;      // a distance that is near, but not in a hard cell
+constexpr std::uint32_t kIsland = 8;  // cells of the surface that are not left alone
 constexpr std::size_t kSampleGrain = 256, kSurfaceGrain = 8192;
 
 /// Whether the function keeps its sign on each side of the surface as far as `reach`.
@@ -27,6 +29,52 @@ bool is_hard(const FieldView& field, const SurfaceSamples& samples, const SizeRu
              std::size_t i) {
   return samples.radius[i] < kThin * rule.edge_min ||
          !has_room(field, samples.position[i], samples.normal[i], kRoom * rule.edge_min);
+}
+
+/// The root of an entry of a union-find forest.
+std::uint32_t root_of(std::vector<std::uint32_t>& parent, std::uint32_t i) {
+  while (parent[i] != i) i = parent[i] = parent[parent[i]];
+  return i;
+}
+
+/// The size cell at an offset from another; kNoCell where there is no brick.
+constexpr std::uint32_t kNoCell = 0xffffffffu;
+std::uint32_t neighbour_cell(const std::int32_t* neighbours, std::uint32_t cell, int dx, int dy,
+                             int dz) {
+  const int x = static_cast<int>(cell & 3) + dx, y = static_cast<int>(cell >> 2 & 3) + dy;
+  const int z = static_cast<int>(cell >> 4 & 3) + dz;
+  const std::int32_t brick =
+      neighbours[27 * std::size_t{cell >> 6} +
+                 static_cast<std::size_t>(brick_neighbour(x >> 2, y >> 2, z >> 2))];
+  if (brick == kNoBrick) return kNoCell;
+  return 64 * static_cast<std::uint32_t>(brick) +
+         static_cast<std::uint32_t>((x & 3) + 4 * (y & 3) + 16 * (z & 3));
+}
+
+/// Takes the small rests between regions into them: cells of the surface beyond the growth that
+/// hang together in groups too small for a few triangles.
+void fill_islands(const IndicatorField& field, const SizeField& sizes, Buffer<float>& distance) {
+  const std::vector<std::uint32_t>& cells = sizes.samples.cell;
+  const std::int32_t* neighbours = field.neighbours.view().data();
+  float* to_hard = distance.view().data();
+  std::vector<std::uint32_t> sample_at(distance.size(), kNoCell);
+  for (std::uint32_t i = 0; i < cells.size(); ++i)
+    if (to_hard[cells[i]] > kGrowth * sizes.sizes.view()[cells[i]]) sample_at[cells[i]] = i;
+  std::vector<std::uint32_t> parent(cells.size()), group(cells.size(), 0);
+  for (std::uint32_t i = 0; i < parent.size(); ++i) parent[i] = i;
+  for (std::uint32_t i = 0; i < cells.size(); ++i) {
+    if (sample_at[cells[i]] == kNoCell) continue;
+    for (int axis = 0; axis < 3; ++axis) {
+      const std::uint32_t other =
+          neighbour_cell(neighbours, cells[i], axis == 0, axis == 1, axis == 2);
+      if (other == kNoCell || sample_at[other] == kNoCell) continue;
+      parent[root_of(parent, sample_at[other])] = root_of(parent, i);
+    }
+  }
+  for (std::uint32_t i = 0; i < cells.size(); ++i) ++group[root_of(parent, i)];
+  for (std::uint32_t i = 0; i < cells.size(); ++i)
+    if (sample_at[cells[i]] != kNoCell && group[root_of(parent, i)] <= kIsland)
+      to_hard[cells[i]] = kBeside;
 }
 
 enum Nearness : std::uint8_t { kAway, kNear, kWithin };  ///< of a vertex to a hard cell
@@ -99,10 +147,7 @@ void drop_islands(const TriangleMesh& surface, const std::vector<std::uint8_t>& 
                   std::vector<std::uint8_t>& hard) {
   std::vector<std::uint32_t> parent(surface.vertex_count());
   for (std::uint32_t v = 0; v < parent.size(); ++v) parent[v] = v;
-  const auto root = [&](std::uint32_t v) {
-    while (parent[v] != v) v = parent[v] = parent[parent[v]];
-    return v;
-  };
+  const auto root = [&](std::uint32_t v) { return root_of(parent, v); };
   std::vector<std::uint8_t> kept(parent.size(), 0);
   for (std::size_t t = 0; t < hard.size(); ++t)
     if (hard[t])
@@ -138,6 +183,7 @@ std::vector<std::uint8_t> find_hard_regions(Backend& backend, const IndicatorFie
         to_hard[samples.cell[i]] = 0;
   });
   grow_limited(backend, field, 1.0f, kGrowth * rule.edge_max, distance);
+  fill_islands(field, sizes, distance);
 
   std::vector<std::uint8_t> at_vertex =
       near_vertices(backend, {view, distance.view(), kFar}, sizes.view(field), surface);

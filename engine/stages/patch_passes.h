@@ -74,8 +74,8 @@ void flip_to_valence(PatchMesh& mesh, int passes);
 /// Flips edges where that makes the least angle of their two triangles larger.
 void flip_to_angle(PatchMesh& mesh, int passes);
 
-/// Moves inner vertices in their tangent planes towards where their edges have the right lengths,
-/// and onto the surface.
+/// Moves vertices in their tangent planes to the middle of the triangles round them (weighted by
+/// area over squared size; border vertices along the border), and onto the surface.
 void smooth(PatchMesh& mesh, const RemeshGoal& goal, int passes);
 
 /// Moves inner vertices to where the triangles round them have edges of more equal lengths.

@@ -13,8 +13,8 @@
 namespace vasamesh {
 
 /// Squares of sines of angles.
-inline constexpr float kSine10 = 0.030154f, kSine15 = 0.066987f, kSine20 = 0.116978f,
-                       kSine25 = 0.178606f, kSine30 = 0.25f, kSine35 = 0.328990f;
+inline constexpr float kSine10 = 0.030154f, kSine20 = 0.116978f, kSine25 = 0.178606f,
+                       kSine40 = 0.413176f;
 
 /// Least cosine of the angle between a triangle and the surface at its corners.
 inline constexpr float kLeastFacing = 0.5f;

@@ -30,10 +30,21 @@ Vec3 fan_centre(const PatchMesh& mesh, std::uint32_t v) {
   return weights > 0 ? (1.0f / weights) * sum : Vec3{};
 }
 
-/// The tangential part of the way to the fan's centre.
+/// From a border vertex half the way to the middle between its neighbours on the border.
+Vec3 border_step(const PatchMesh& mesh, std::uint32_t v) {
+  std::uint32_t before = 0, after = PatchMesh::kNone;
+  mesh.for_each_out(v, [&](std::uint32_t h) {
+    if (after == PatchMesh::kNone) after = mesh.target(h);
+    before = mesh.apex(h);
+  });
+  const Vec3 middle = 0.5f * (mesh.points[before].position + mesh.points[after].position);
+  return 0.5f * (middle - mesh.points[v].position);
+}
+
+/// The tangential part of the way to the fan's centre, on a border along it.
 Vec3 smoothing_step(const PatchMesh& mesh, std::uint32_t v) {
   const SurfacePoint& p = mesh.points[v];
-  Vec3 step = fan_centre(mesh, v);
+  Vec3 step = mesh.is_border(v) ? border_step(mesh, v) : fan_centre(mesh, v);
   step = step - dot(step, p.normal) * p.normal;
   const float length = norm(step), most = kLargestStep * p.size;
   return length > most ? (most / length) * step : step;
@@ -54,16 +65,21 @@ void smooth_vertex(PatchMesh& mesh, const RemeshGoal& goal, std::uint32_t v) {
   }
 }
 
-/// The same in the mesh's own tangent planes, where the field is of no use, and only if no
-/// triangles come to meet.
-void smooth_off_field(PatchMesh& mesh, const std::vector<std::uint32_t>& vertices) {
+/// The same where the field was of no use: onto the surface if it is of use by now, else in the
+/// mesh's own tangent plane; and only if no triangles come to meet.
+void smooth_off_field(PatchMesh& mesh, const RemeshGoal& goal,
+                      const std::vector<std::uint32_t>& vertices) {
   Clearance clearance(mesh);
   for (std::uint32_t v : vertices) {
     mesh.points[v].normal = fan_normal(mesh, v);
     SurfacePoint moved = mesh.points[v];
+    const float limit = std::min(kSine25, facing_fan_quality(mesh, v));
+    if (put_onto_surface(goal, kReach, moved) && may_move(mesh, v, moved, limit) &&
+        clearance.move_if_clear(mesh, v, moved))
+      continue;
+    moved = mesh.points[v];
     moved.position = moved.position + smoothing_step(mesh, v);
-    if (may_move(mesh, v, moved, std::min(kSine25, facing_fan_quality(mesh, v))))
-      clearance.move_if_clear(mesh, v, moved);
+    if (may_move(mesh, v, moved, limit)) clearance.move_if_clear(mesh, v, moved);
   }
 }
 
@@ -72,11 +88,11 @@ void smooth_off_field(PatchMesh& mesh, const std::vector<std::uint32_t>& vertice
 void smooth(PatchMesh& mesh, const RemeshGoal& goal, int passes) {
   std::vector<std::uint32_t> on_field, off_field;
   for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v)
-    if (mesh.is_there(v) && mesh.is_inner(v))
+    if (mesh.is_there(v) && mesh.is_whole(v))
       (mesh.points[v].on_field ? on_field : off_field).push_back(v);
   for (int pass = 0; pass < passes; ++pass)
     for (std::uint32_t v : on_field) smooth_vertex(mesh, goal, v);
-  if (!off_field.empty()) smooth_off_field(mesh, off_field);
+  if (!off_field.empty()) smooth_off_field(mesh, goal, off_field);
 }
 
 }  // namespace vasamesh

@@ -39,7 +39,8 @@ bool put_onto_surface(const RemeshGoal& goal, float reach, SurfacePoint& point) 
 
 namespace {
 
-constexpr float kReach = 0.3f;  // voxel lengths from an edge's midpoint to the surface
+/// How far an edge's midpoint may be from the surface: in voxel lengths, and of the edge.
+constexpr float kReach = 0.3f, kReachOfEdge = 0.25f;
 
 /// Whether both triangles of the edge, split at `point`, keep the rules.
 bool splits_well(const PatchMesh& mesh, std::uint32_t h, const SurfacePoint& point) {
@@ -66,7 +67,8 @@ void split_long_edges(PatchMesh& mesh, const RemeshGoal& goal, float longest) {
     if (!(relative_length(p, q) > longest * longest)) continue;
     SurfacePoint middle = {0.5f * (p.position + q.position), normalised(p.normal + q.normal),
                            0.5f * (p.size + q.size), p.on_field && q.on_field};
-    if (middle.on_field) put_onto_surface(goal, kReach, middle);
+    const float reach = std::max(kReach, kReachOfEdge * norm(q.position - p.position));
+    middle.on_field = middle.on_field && put_onto_surface(goal, reach, middle);
     if (splits_well(mesh, h, middle)) mesh.split(h, middle);
   }
 }

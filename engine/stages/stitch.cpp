@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <span>
 #include <tuple>
+#include <utility>
 
 #include "stages/bridge.h"
 #include "stages/close_gap.h"
@@ -14,7 +15,9 @@ namespace vasamesh {
 
 namespace {
 
-constexpr float kBridgeCosine = 0.25f;     // of the triangles of bridges, as in GapRules
+constexpr float kBridgeCosine = 0.25f;  // of the triangles of bridges, as in GapRules
+// A loop that found no other to join and turns by less (radians) may go round a tube.
+constexpr float kTubeTurning = 0.5f * 3.14159265f;
 constexpr int kMostRounds = 16;            // of triangulation, while gaps want the same edges
 constexpr std::size_t kTaskCost = 200000;  // what a task takes, in the units of gap_cost
 
@@ -129,7 +132,7 @@ class Stitcher {
         taken.clear();
         for (const Lost& lost : lost_)
           if (lost.loop == l) taken.push_back(lost.chord);
-        closings_[l] = closer.run(loops()[l], bridged_.annular[l] != 0, taken);
+        closings_[l] = closer.run(loops()[l], bridged_.turning[l] < kTubeTurning, taken);
         if (closings_[l].kind != GapClosing::triangulated) continue;
         const auto found = closer.triangles();
         std::copy(found.begin(), found.end(), triangles_.begin() + place_of(l));

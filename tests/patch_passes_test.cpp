@@ -1,0 +1,222 @@
+/// \file
+/// The passes of remeshing, each on a small mesh by hand on a known surface.
+
+#include "stages/patch_passes.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "stages/patch_clearance.h"
+#include "stages/patch_rules.h"
+#include "support/analytic_field.h"
+
+namespace vasamesh::test {
+namespace {
+
+constexpr float kHeight = 8;
+
+/// Vertices (x, y) on the plane z = 8 and the triangles between them.
+PatchMesh flat_patch(const std::vector<Vec3>& places, const std::vector<std::uint32_t>& corners,
+                     float size, std::vector<std::uint8_t> whole = {}) {
+  std::vector<SurfacePoint> points;
+  for (const Vec3& p : places) points.push_back({p, {0, 0, 1}, size});
+  PatchMesh patch;
+  whole.resize(places.size(), 1);
+  patch.build(std::move(points), corners, std::move(whole));
+  return patch;
+}
+
+/// `n` triangles round vertex 0 at `centre`, their outer corners on a circle of `radius` at (8, 8).
+PatchMesh wheel(int n, const Vec3& centre, float radius, float size) {
+  std::vector<Vec3> places = {centre};
+  std::vector<std::uint32_t> corners;
+  for (int i = 0; i < n; ++i) {
+    const double angle = 2 * M_PI * i / n;
+    places.push_back({8 + radius * static_cast<float>(std::cos(angle)),
+                      8 + radius * static_cast<float>(std::sin(angle)), kHeight});
+    corners.insert(corners.end(), {0, 1u + i, 1u + (i + 1) % n});
+  }
+  return flat_patch(places, corners, size);
+}
+
+class PatchPasses : public ::testing::Test {
+ protected:
+  RemeshGoal goal(float size) {
+    return {field_.view(), field_.sizes(size / RemeshGoal::kLengthFactor), {}, false};
+  }
+  AnalyticField field_ = plane_field(16, kHeight);
+};
+
+std::size_t triangles(const PatchMesh& patch) {
+  std::size_t count = 0;
+  for (std::uint32_t h = 0; h < patch.half_edge_end(); h += 4) count += patch.is_edge(h);
+  return count;
+}
+
+TEST_F(PatchPasses, QualityIsTheLeastAngleOrHowFarATriangleTurnsAway) {
+  const SurfacePoint a{{0, 0, 0}, {0, 0, 1}}, b{{1, 0, 0}, {0, 0, 1}}, c{{0, 1, 0}, {0, 0, 1}};
+  EXPECT_NEAR(triangle_quality(a, b, c), 0.5f, 1e-6);  // sine of 45 degrees, squared
+  EXPECT_NEAR(triangle_quality(a, c, b), -2, 1e-6);
+  const SurfacePoint steep{{0, 1, 3}, {0, 0, 1}};  // 71.6 degrees
+  EXPECT_NEAR(triangle_quality(a, b, steep), std::sqrt(0.1f) - 1, 1e-6);
+  EXPECT_GT(triangle_quality(a, b, steep, kLeastFacingInRepair), 0);
+}
+
+TEST_F(PatchPasses, AShortEdgeGoes) {
+  PatchMesh patch = wheel(6, {8.1f, 8, kHeight}, 0.6f, 1);
+  collapse_short_edges(patch, kShortest, kLongest);
+  EXPECT_EQ(triangles(patch), 4u);
+  EXPECT_FALSE(patch.is_there(0));
+}
+
+TEST_F(PatchPasses, ACollapseThatMakesALongEdgeIsRefused) {
+  PatchMesh patch = wheel(6, {8.1f, 8, kHeight}, 0.7f, 1);  // the wheel is 1.4 across
+  collapse_short_edges(patch, kShortest, kLongest);
+  EXPECT_EQ(triangles(patch), 6u);
+}
+
+TEST_F(PatchPasses, ACollapseThatTurnsATriangleIsRefused) {
+  // The star of vertex 0 is not convex: merged into 1, the triangle (2, 3) would turn over, merged
+  // into the others (4 to 6 lie behind the notch) a triangle would lie flat.
+  const std::vector<Vec3> places = {{8, 8, 8},       {8.3f, 8, 8},    {8.1f, 8.1f, 8},
+                                    {8.4f, 8.8f, 8}, {7.4f, 8.5f, 8}, {7.4f, 7.5f, 8},
+                                    {8.3f, 7.5f, 8}};
+  std::vector<std::uint32_t> corners;
+  for (std::uint32_t i = 0; i < 6; ++i)
+    corners.insert(corners.end(), {0, 1 + i, 1 + (i + 1) % 6});
+  PatchMesh patch = flat_patch(places, corners, 1);
+  const float before = fan_quality(patch, 0, patch.points[0]);
+  ASSERT_GE(before, 0);
+  SurfacePoint at_one = patch.points[1];
+  EXPECT_LT(triangle_quality(at_one, patch.points[2], patch.points[3]), 0);
+  collapse_short_edges(patch, 0.35f, 10);  // only the edges to 1 and 2 are that short
+  for (std::uint32_t h = 0; h < patch.half_edge_end(); h += 4) {
+    if (!patch.is_edge(h)) continue;
+    EXPECT_GE(triangle_quality(patch.points[patch.origin(h)], patch.points[patch.target(h)],
+                               patch.points[patch.apex(h)]),
+              0);
+  }
+}
+
+TEST_F(PatchPasses, ALongEdgeIsSplitOnTheSurface) {
+  PatchMesh patch = flat_patch({{7, 8, 7.9f}, {9, 8, 7.9f}, {8, 9, 8}, {8, 7, 8}},
+                               {0, 1, 2, 1, 0, 3}, 1.45f);
+  split_long_edges(patch, goal(1.45f), kLongest);
+  ASSERT_EQ(patch.vertex_count(), 5u);
+  EXPECT_EQ(triangles(patch), 4u);
+  EXPECT_NEAR(patch.points[4].position.z, kHeight, 1e-3);
+  EXPECT_FLOAT_EQ(patch.points[4].size, 1.45f);
+  EXPECT_NEAR(patch.points[4].normal.z, 1, 1e-5);
+}
+
+TEST_F(PatchPasses, AFlipMakesTheLeastAngleLarger) {
+  PatchMesh patch = flat_patch({{7, 8, 8}, {9, 8, 8}, {8, 8.4f, 8}, {8, 7.6f, 8}},
+                               {0, 1, 2, 1, 0, 3}, 1);
+  flip_to_angle(patch, 1);
+  EXPECT_TRUE(patch.are_joined(2, 3));
+  EXPECT_FALSE(patch.are_joined(0, 1));
+}
+
+TEST_F(PatchPasses, AFlipThatTurnsATriangleIsRefused) {
+  // The quadrilateral has a notch at corner 1: its other diagonal lies outside.
+  PatchMesh patch = flat_patch({{7, 8, 8}, {7.3f, 8, 8}, {8, 9, 8}, {8, 7, 8}},
+                               {0, 1, 2, 1, 0, 3}, 1);
+  flip_to_angle(patch, 1);
+  flip_to_valence(patch, 1);
+  EXPECT_TRUE(patch.are_joined(0, 1));
+}
+
+TEST_F(PatchPasses, SmoothingCentresAVertex) {
+  PatchMesh patch = wheel(6, {8.3f, 8.2f, kHeight}, 1, 1);
+  smooth(patch, goal(1), 6);
+  EXPECT_NEAR(patch.points[0].position.x, 8, 0.05);
+  EXPECT_NEAR(patch.points[0].position.y, 8, 0.05);
+  EXPECT_NEAR(patch.points[0].position.z, kHeight, 1e-3);
+}
+
+TEST_F(PatchPasses, SmoothingMovesABorderAlongItself) {
+  // The middle of the lower side of a strip, off its place both along the side and across it.
+  PatchMesh patch = flat_patch({{7, 8, 8}, {8.3f, 8.1f, 8}, {9, 8, 8}, {7.5f, 9, 8}, {8.5f, 9, 8}},
+                               {0, 1, 3, 1, 4, 3, 1, 2, 4}, 1, {0, 1, 0, 0, 0});
+  smooth(patch, goal(1), 1);
+  EXPECT_NEAR(patch.points[1].position.x, 8.15f, 0.01f);
+  EXPECT_NEAR(patch.points[1].position.y, 8.05f, 0.01f);
+}
+
+TEST_F(PatchPasses, EqualiseRaisesTheLeastEdgeRatio) {
+  PatchMesh patch = wheel(6, {8.25f, 8, kHeight}, 1, 1);
+  equalise(patch, goal(1), 8);
+  float least = 1;
+  patch.for_each_out(0, [&](std::uint32_t h) {
+    const float l = norm(patch.points[patch.target(h)].position - patch.points[0].position);
+    least = std::min({least, l, 1 / l});
+  });
+  EXPECT_GT(least, 0.84f);  // it was 0.75
+}
+
+TEST_F(PatchPasses, RepairRaisesTheLeastAngle) {
+  PatchMesh patch = wheel(7, {8.85f, 8, kHeight}, 1, 1);
+  ASSERT_LT(fan_quality(patch, 0, patch.points[0]), kSine20);
+  EXPECT_EQ(repair(patch, goal(1), kSine25, 4), 0u);
+  for (std::uint32_t h = 0; h < patch.half_edge_end(); h += 4) {
+    if (!patch.is_edge(h)) continue;
+    EXPECT_GE(triangle_quality(patch.points[patch.origin(h)], patch.points[patch.target(h)],
+                               patch.points[patch.apex(h)]),
+              kSine25);
+  }
+}
+
+TEST_F(PatchPasses, AMoveIntoAnotherSheetIsRefused) {
+  // A wheel, and a triangle hung over it at a height of 0.1.
+  std::vector<Vec3> places = {{8, 8, 8}};
+  std::vector<std::uint32_t> corners;
+  for (std::uint32_t i = 0; i < 6; ++i) {
+    const double angle = M_PI * i / 3;
+    places.push_back({8 + static_cast<float>(std::cos(angle)),
+                      8 + static_cast<float>(std::sin(angle)), 8});
+    corners.insert(corners.end(), {0, 1 + i, 1 + (i + 1) % 6});
+  }
+  places.insert(places.end(), {{7.5f, 7.5f, 8.1f}, {8.5f, 7.5f, 8.1f}, {8, 8.7f, 8.1f}});
+  corners.insert(corners.end(), {7, 8, 9});
+  PatchMesh patch = flat_patch(places, corners, 1);
+  Clearance clearance(patch);
+  SurfacePoint up = patch.points[0];
+  up.position.z = 8.2f;
+  EXPECT_FALSE(clearance.move_if_clear(patch, 0, up));
+  EXPECT_EQ(patch.points[0].position.z, 8);
+  up.position.z = 8.05f;
+  EXPECT_TRUE(clearance.move_if_clear(patch, 0, up));
+  EXPECT_EQ(patch.points[0].position.z, 8.05f);
+}
+
+TEST_F(PatchPasses, APointGoesOntoTheSurfaceOrStays) {
+  SurfacePoint point{{8.2f, 7.7f, 8.2f}, {0, 0, 1}, 1};
+  const RemeshGoal wanted = goal(1.5f);
+  EXPECT_TRUE(put_onto_surface(wanted, 0.3f, point));
+  EXPECT_NEAR(point.position.z, kHeight, 1e-3);
+  EXPECT_FLOAT_EQ(point.size, 1.5f);
+  const SurfacePoint far{{8, 8, 8.6f}, {0, 0, 1}, 1}, turned{{8, 8, 8.1f}, {0, 0, -1}, 1};
+  for (SurfacePoint refused : {far, turned}) {
+    const Vec3 before = refused.position;
+    EXPECT_FALSE(put_onto_surface(wanted, 0.3f, refused));
+    EXPECT_EQ(refused.position, before);
+  }
+  take_normal(wanted.field, point);
+  EXPECT_TRUE(point.on_field);
+  SurfacePoint off = far;
+  take_normal(wanted.field, off);
+  EXPECT_FALSE(off.on_field);
+}
+
+TEST_F(PatchPasses, PlacesShortenEdges) {
+  const CarefulPlace places[] = {{{8, 8, 8}, 2, 0.5f}, {{9, 8, 8}, 1, 0}};
+  RemeshGoal wanted = goal(1);
+  wanted.places = places;
+  EXPECT_FLOAT_EQ(wanted.size_at({3, 3, 8}), 1);
+  EXPECT_FLOAT_EQ(wanted.size_at({7, 8, 8}), 0.5f);
+  EXPECT_FLOAT_EQ(wanted.size_at({9, 8, 8}), 0);
+}
+
+}  // namespace
+}  // namespace vasamesh::test
