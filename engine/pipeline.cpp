@@ -56,7 +56,7 @@ TriangleMesh proven_surface(Polygonizer& polygonizer, Scheduler& scheduler,
     place_in_space(scheduler.host(), wanted.geometry, wanted.space, *mesh);
     report.check = check_surface(scheduler.host(), *mesh, &wanted);
     report.mesh = polygonizer.report();
-    if (!report.check.passed)
+    if (!report.check.passed || !polygonizer.follows_base())
       polygonizer.reject();
     else if (polygonizer.accept_count(report.check.triangles))
       return std::move(*mesh);

@@ -211,4 +211,16 @@ DistanceReport measure_distance(Backend& backend, const TriangleMesh& surface,
   return report;
 }
 
+std::vector<float> distances_to(Backend& backend, std::span<const Vec3> points,
+                                const TriangleMesh& surface, const TriangleTree& tree) {
+  std::vector<float> distances(points.size());
+  backend.run((points.size() + kTriangles - 1) / kTriangles, [&](std::size_t part) {
+    Nearest nearest(surface, tree);
+    const std::size_t end = std::min((part + 1) * kTriangles, points.size());
+    for (std::size_t i = part * kTriangles; i < end; ++i)
+      distances[i] = static_cast<float>(nearest.distance({points[i].x, points[i].y, points[i].z}));
+  });
+  return distances;
+}
+
 }  // namespace vasamesh

@@ -7,7 +7,12 @@
 /// Aspert, Santa-Cruz, Ebrahimi: MESH: measuring errors between surfaces using the Hausdorff
 /// distance, 2002.
 
+#include <span>
+#include <vector>
+
 #include "backend/backend.h"
+#include "stages/triangle_tree.h"
+#include "types/vec3.h"
 #include "vasamesh/types.h"
 
 namespace vasamesh {
@@ -31,5 +36,10 @@ struct DistanceReport {
 /// \throws Error bad_input, when either surface has no triangle or a vertex that is not finite.
 DistanceReport measure_distance(Backend& backend, const TriangleMesh& surface,
                                 const TriangleMesh& reference, double voxel, double step = 0.25);
+
+/// The distance of each point to a surface, in its unit. Quick for points near the one before.
+/// \pre the surface's vertices are finite, and the tree is that of its triangles, at least one.
+std::vector<float> distances_to(Backend& backend, std::span<const Vec3> points,
+                                const TriangleMesh& surface, const TriangleTree& tree);
 
 }  // namespace vasamesh

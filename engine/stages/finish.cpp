@@ -1,5 +1,7 @@
 #include "stages/finish.h"
 
+#include <algorithm>
+
 #include "stages/patch_rules.h"
 
 namespace vasamesh {
@@ -40,13 +42,25 @@ void finish(Backend& backend, const RemeshGoal& goal, WorkingSurface& surface) {
                    });
   for (int round = 0; round < kLastRounds && any_poor(surface); ++round)
     for_each_block(backend, {kBlock, 0.23f * static_cast<float>(round)}, surface,
-                   [&](PatchMesh& part) { repair(part, goal, kSine25, 16); });
+                   [&](PatchMesh& part) {
+                     if (goal.wants(part)) repair(part, goal, kSine25, 16);
+                   });
+}
+
+void fix_places(const RemeshGoal& goal, WorkingSurface& surface) {
+  const bool any = std::any_of(goal.places.begin(), goal.places.end(),
+                               [](const CarefulPlace& place) { return place.factor == 0; });
+  if (!any) return;
+  surface.fixed.resize(surface.points.size());
+  for (std::size_t v = 0; v < surface.points.size(); ++v)
+    surface.fixed[v] = goal.size_at(surface.points[v].position) == 0;
 }
 
 TriangleMesh finish(Backend& backend, const FieldView& field, const SizeView& sizes,
-                    const TriangleMesh& mesh) {
-  const RemeshGoal goal = {field, sizes, {}, false};
+                    const TriangleMesh& mesh, std::span<const CarefulPlace> places) {
+  const RemeshGoal goal = {field, sizes, places, !places.empty()};
   WorkingSurface surface = make_working_surface(backend, goal, mesh);
+  fix_places(goal, surface);
   finish(backend, goal, surface);
   return make_mesh(surface);
 }

@@ -6,6 +6,8 @@
 /// until the least angle holds. The topology stays; no triangle turns away from the surface, and
 /// repairs run into no other triangle.
 
+#include <span>
+
 #include "backend/backend.h"
 #include "stages/patch_blocks.h"
 #include "stages/patch_passes.h"
@@ -16,10 +18,14 @@
 namespace vasamesh {
 
 /// \param mesh  closed or with borders, manifold, in voxel lengths, counter-clockwise from outside.
+/// \param places  if any: work near them alone, and not on vertices in those of factor 0.
 TriangleMesh finish(Backend& backend, const FieldView& field, const SizeView& sizes,
-                    const TriangleMesh& mesh);
+                    const TriangleMesh& mesh, std::span<const CarefulPlace> places = {});
 
 /// The same on a surface that is being remeshed.
 void finish(Backend& backend, const RemeshGoal& goal, WorkingSurface& surface);
+
+/// Fixes the vertices in places of factor 0.
+void fix_places(const RemeshGoal& goal, WorkingSurface& surface);
 
 }  // namespace vasamesh

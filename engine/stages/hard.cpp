@@ -159,17 +159,11 @@ void drop_islands(const TriangleMesh& surface, const std::vector<std::uint8_t>& 
     if (hard[t]) hard[t] = kept[root(surface.triangles[3 * t])];
 }
 
-bool is_near(const Vec3& p, std::span<const Vec3> places, float reach) {
-  return std::any_of(places.begin(), places.end(),
-                     [&](const Vec3& place) { return squared_norm(p - place) <= reach * reach; });
-}
-
 }  // namespace
 
 std::vector<std::uint8_t> find_hard_regions(Backend& backend, const IndicatorField& field,
                                             const SizeField& sizes, const SizeRule& rule,
-                                            const TriangleMesh& surface,
-                                            std::span<const Vec3> places) {
+                                            const TriangleMesh& surface) {
   const FieldView view = field.view();
   const SurfaceSamples& samples = sizes.samples;
   Buffer<float> distance(backend, sizes.sizes.size());
@@ -178,19 +172,23 @@ std::vector<std::uint8_t> find_hard_regions(Backend& backend, const IndicatorFie
   backend.run((samples.count() + kSampleGrain - 1) / kSampleGrain, [&](std::size_t task) {
     const std::size_t end = std::min((task + 1) * kSampleGrain, samples.count());
     for (std::size_t i = task * kSampleGrain; i < end; ++i)
-      if (is_hard(view, samples, rule, i) ||
-          is_near(samples.position[i], places, 2 * rule.edge_max))
-        to_hard[samples.cell[i]] = 0;
+      if (is_hard(view, samples, rule, i)) to_hard[samples.cell[i]] = 0;
   });
   grow_limited(backend, field, 1.0f, kGrowth * rule.edge_max, distance);
   fill_islands(field, sizes, distance);
 
   std::vector<std::uint8_t> at_vertex =
       near_vertices(backend, {view, distance.view(), kFar}, sizes.view(field), surface);
-  std::vector<std::uint8_t> hard = triangles_at(backend, at_vertex, surface);
-  while (widen_pinches(surface, hard, at_vertex)) hard = triangles_at(backend, at_vertex, surface);
+  std::vector<std::uint8_t> hard = choose_triangles(backend, surface, at_vertex);
   drop_islands(surface, at_vertex, hard);
   return hard;
+}
+
+std::vector<std::uint8_t> choose_triangles(Backend& backend, const TriangleMesh& surface,
+                                           std::vector<std::uint8_t>& flagged) {
+  std::vector<std::uint8_t> chosen = triangles_at(backend, flagged, surface);
+  while (widen_pinches(surface, chosen, flagged)) chosen = triangles_at(backend, flagged, surface);
+  return chosen;
 }
 
 }  // namespace vasamesh

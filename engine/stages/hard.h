@@ -6,7 +6,6 @@
 /// set is not found.
 
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "backend/backend.h"
@@ -21,11 +20,14 @@ namespace vasamesh {
 /// function is wrong within 0.6 edge_min along the normal, or there is no zero set within reach;
 /// and grown by three edge lengths. The hard triangles at a vertex are one fan, so that the
 /// regions are surfaces with borders.
-/// \param places  where the front has failed before: hard within two edges too.
 /// \pre the backend's memory is the host's.
 std::vector<std::uint8_t> find_hard_regions(Backend& backend, const IndicatorField& field,
                                             const SizeField& sizes, const SizeRule& rule,
-                                            const TriangleMesh& surface,
-                                            std::span<const Vec3> places = {});
+                                            const TriangleMesh& surface);
+
+/// One byte a triangle: 1 for those with a flagged vertex (a byte a vertex), and for more, whose
+/// vertices are flagged then, until the chosen triangles at each vertex are one fan.
+std::vector<std::uint8_t> choose_triangles(Backend& backend, const TriangleMesh& surface,
+                                           std::vector<std::uint8_t>& flagged);
 
 }  // namespace vasamesh

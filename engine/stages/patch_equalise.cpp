@@ -11,7 +11,7 @@ namespace vasamesh {
 
 namespace {
 
-constexpr float kReach = 0.1f;    // voxel lengths that the projection may move a vertex
+constexpr float kReach = 0.1f;  // voxel lengths that the projection may move a vertex
 constexpr float kSmallGain = 1e-3f;
 constexpr float kEnough = 0.72f;  // squared edge ratio above which a triangle needs no more
 

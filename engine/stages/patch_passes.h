@@ -17,13 +17,6 @@
 
 namespace vasamesh {
 
-/// A ball in which edges are to be shorter than elsewhere, or the input is to stay as it is.
-struct CarefulPlace {
-  Vec3 centre;
-  float radius = 2;  ///< voxel lengths
-  float factor = 1;  ///< of the sizes; 0: the input's vertices stay
-};
-
 /// What the vertices are projected onto and how long edges shall be.
 struct RemeshGoal {
   FieldView field;
@@ -50,10 +43,9 @@ struct RemeshGoal {
 
   /// Whether there is work to do on the part.
   bool wants(const PatchMesh& part) const {
-    return !local || std::any_of(part.points.begin(), part.points.end(),
-                                 [&](const SurfacePoint& point) {
-                                   return is_careful(point.position);
-                                 });
+    return !local ||
+           std::any_of(part.points.begin(), part.points.end(),
+                       [&](const SurfacePoint& point) { return is_careful(point.position); });
   }
 };
 

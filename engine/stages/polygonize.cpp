@@ -2,13 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <span>
 #include <string>
 #include <utility>
 
+#include "stages/distance.h"
 #include "stages/expand.h"
 #include "stages/finish.h"
 #include "stages/hard.h"
 #include "stages/intersect.h"
+#include "stages/pinches.h"
 #include "stages/remesh.h"
 #include "stages/stitch.h"
 #include "vasamesh/errors.h"
@@ -17,9 +21,12 @@ namespace vasamesh {
 
 namespace {
 
-constexpr int kExpansions = 4;                           // attempts of mesh expanding
-constexpr int kAims = 3;                                 // attempts at a number of triangles
-constexpr double kCountTolerance = 0.1;                  // of the triangles that are asked for
+constexpr int kExpansions = 4;                        // attempts of mesh expanding
+constexpr int kAims = 3;                              // attempts at a number of triangles
+constexpr double kCountTolerance = 0.1;               // of the triangles that are asked for
+constexpr float kFactors[] = {0.7f, 0.5f, 0.35f, 0};  // of the edges in a place, failure by failure
+constexpr float kPlace = 2.5f, kMargin = 1.2f;  // edge_max: a place's radius, the front's room
+constexpr float kAstray = 0.3f;  // voxel lengths from the base surface that are too far
 constexpr float kLeastEdge = 0.05f, kLongestEdge = 100;  // voxel lengths
 constexpr std::uint32_t kNoVertex = 0xffffffffu;
 
@@ -62,6 +69,38 @@ TriangleMesh part_of(const TriangleMesh& mesh, const std::vector<std::uint8_t>& 
     part.triangles.push_back(renamed[v]);
   }
   return part;
+}
+
+TriangleMesh joined(TriangleMesh first, const TriangleMesh& second) {
+  const auto shift = static_cast<std::uint32_t>(first.vertex_count());
+  first.vertices.insert(first.vertices.end(), second.vertices.begin(), second.vertices.end());
+  for (const std::uint32_t v : second.triangles) first.triangles.push_back(v + shift);
+  return first;
+}
+
+/// One byte a vertex: whether it lies in one of the places, or up to `margin` beyond.
+std::vector<std::uint8_t> vertices_within(Backend& backend, const TriangleMesh& mesh,
+                                          std::span<const CarefulPlace> places, float margin) {
+  constexpr std::size_t kBlock = 4096;
+  std::vector<std::uint8_t> within(mesh.vertex_count());
+  backend.run((within.size() + kBlock - 1) / kBlock, [&](std::size_t block) {
+    const std::size_t end = std::min((block + 1) * kBlock, within.size());
+    for (std::size_t v = block * kBlock; v < end; ++v) {
+      const Vec3 p = vertex_at(mesh, static_cast<std::uint32_t>(v));
+      within[v] = std::any_of(places.begin(), places.end(), [&](const CarefulPlace& place) {
+        const float reach = place.radius + margin;
+        return squared_norm(p - place.centre) <= reach * reach;
+      });
+    }
+  });
+  return within;
+}
+
+std::vector<CarefulPlace> where_base_stays(std::span<const CarefulPlace> places) {
+  std::vector<CarefulPlace> kept;
+  std::copy_if(places.begin(), places.end(), std::back_inserter(kept),
+               [](const CarefulPlace& place) { return place.factor == 0; });
+  return kept;
 }
 
 double area_of(const TriangleMesh& mesh) {
@@ -126,7 +165,7 @@ void Polygonizer::aim(double triangles) {
     factor *= static_cast<float>(std::sqrt(ratio));
     factor = std::clamp(factor, kLeastEdge / asked_.edge_min, kLongestEdge / asked_.edge_max);
     rule_ = scaled(asked_, factor);
-    apply_rule(backend_, field_, base_, rule_, sizes_);
+    apply_rule(backend_, field_, base_, rule_, {}, sizes_);
   }
   const double reached = sizes_.predicted_triangles;
   if (std::fabs(reached / triangles - 1) <= kCountTolerance) return;
@@ -140,7 +179,7 @@ void Polygonizer::aim(double triangles) {
 std::optional<TriangleMesh> Polygonizer::next() {
   switch (method_) {
     case Method::expanded:
-      last_ = expanded();
+      last_ = places_.empty() ? expanded() : redone();
       break;
     case Method::remeshed:
       last_ = remeshed();
@@ -156,11 +195,24 @@ std::optional<TriangleMesh> Polygonizer::next() {
   return in_voxels(last_);
 }
 
+bool Polygonizer::follows_base() {
+  if (method_ != Method::expanded || report_.attempts == kExpansions) return true;
+  std::vector<Vec3> points(base_.vertex_count());
+  for (std::size_t v = 0; v < points.size(); ++v)
+    points[v] = vertex_at(base_, static_cast<std::uint32_t>(v));
+  const std::vector<float> distances =
+      distances_to(backend_, points, last_, build_triangle_tree(backend_, last_));
+  astray_.clear();
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (distances[i] > kAstray) astray_.push_back(points[i]);
+  return astray_.empty();
+}
+
 void Polygonizer::reject() {
   if (method_ == Method::expanded) {
-    const std::size_t before = hard_places_.size();
-    for (const Vec3& place : places_of_defects()) hard_places_.push_back(place);
-    if (hard_places_.size() > before && report_.attempts < kExpansions) return;
+    const std::size_t before = places_.size();
+    note_defects();
+    if (places_.size() > before && report_.attempts < kExpansions) return;
     method_ = Method::remeshed;
   } else {
     method_ = method_ == Method::remeshed ? Method::base : Method::none;
@@ -176,33 +228,60 @@ bool Polygonizer::accept_count(std::int64_t triangles) {
 }
 
 TriangleMesh Polygonizer::expanded() {
-  const std::vector<std::uint8_t> hard =
-      find_hard_regions(backend_, field_, sizes_, rule_, base_, hard_places_);
+  const std::vector<std::uint8_t> hard = find_hard_regions(backend_, field_, sizes_, rule_, base_);
   const TriangleMesh part = part_of(base_, hard);
   report_.hard_share = area_of(part) / area_of(base_);
-  const FieldView field = field_.view();
-  const SizeView sizes = sizes_.view(field_);
-
   scheduler_.begin("remesh", Stage::mesh);
   TriangleMesh patches;
-  if (!part.triangles.empty())
-    patches = report_.attempts == 0 ? remesh(backend_, field, sizes, part)
-                                    : remesh_proven(backend_, field, sizes, part).mesh;
+  if (!part.triangles.empty()) patches = remesh(backend_, field_.view(), sizes_.view(field_), part);
+  const TriangleMesh mesh = front_over(patches);
+  scheduler_.begin("finish", Stage::mesh);
+  return finish(backend_, field_.view(), sizes_.view(field_), mesh);
+}
+
+/// The last surface with the places cut out, the base surface remeshed in their middle, and the
+/// front in between.
+TriangleMesh Polygonizer::redone() {
+  scheduler_.begin("remesh", Stage::mesh);
+  apply_rule(backend_, field_, base_, rule_, places_, sizes_);
+  const float margin = kMargin * rule_.edge_max;
+  const std::span<const CarefulPlace> fresh = std::span(places_).subspan(first_fresh_);
+  std::vector<std::uint8_t> within = vertices_within(backend_, base_, fresh, 0);
+  const TriangleMesh part = part_of(base_, choose_triangles(backend_, base_, within));
+  const std::vector<std::uint8_t> near = vertices_within(backend_, last_, fresh, margin);
+  std::vector<std::uint8_t> kept(last_.triangle_count());
+  for (std::size_t t = 0; t < kept.size(); ++t) {
+    const std::uint32_t* v = &last_.triangles[3 * t];
+    kept[t] = !near[v[0]] && !near[v[1]] && !near[v[2]];
+  }
+  const TriangleMesh patches =
+      joined(part_of(last_, kept),
+             remesh(backend_, field_.view(), sizes_.view(field_), part, where_base_stays(fresh)));
+  const TriangleMesh mesh = front_over(patches);
+
+  scheduler_.begin("finish", Stage::mesh);
+  std::vector<CarefulPlace> round = where_base_stays(places_);
+  for (const CarefulPlace& place : fresh)
+    if (place.factor > 0) round.push_back({place.centre, place.radius + 2 * margin, 1});
+  return finish(backend_, field_.view(), sizes_.view(field_), mesh, round);
+}
+
+/// The front round the patches, its gaps stitched.
+TriangleMesh Polygonizer::front_over(const TriangleMesh& patches) {
   scheduler_.begin("expand", Stage::mesh);
   FrontResult front = expand(backend_, field_, sizes_, patches);
-  report_.rounds = front.rounds;
-  report_.front_triangles =
+  report_.rounds += front.rounds;
+  report_.front_triangles +=
       static_cast<std::int64_t>(front.mesh.triangle_count() - patches.triangle_count());
 
   scheduler_.begin("stitch", Stage::mesh);
   const StitchReport stitched =
-      stitch_gaps(backend_, field, sizes, stitch_, front.loops, front.mesh);
-  report_.gaps = stitched.loops;
-  report_.gap_triangles =
+      stitch_gaps(backend_, field_.view(), sizes_.view(field_), stitch_, front.loops, front.mesh);
+  report_.gaps += stitched.loops;
+  report_.gap_triangles +=
       static_cast<std::int64_t>(front.mesh.triangle_count() - stitched.first_triangle);
-
-  scheduler_.begin("finish", Stage::mesh);
-  return finish(backend_, field, sizes, front.mesh);
+  split_pinches(front.mesh);
+  return std::move(front.mesh);
 }
 
 TriangleMesh Polygonizer::remeshed() {
@@ -214,20 +293,34 @@ TriangleMesh Polygonizer::remeshed() {
   return std::move(surface.mesh);
 }
 
-/// Where the last surface is open, has an edge of several triangles or meets itself: a place for
-/// each that none before it is near to.
-std::vector<Vec3> Polygonizer::places_of_defects() const {
-  const float apart = rule_.edge_max;
-  std::vector<Vec3> places;
-  const auto add = [&](const Vec3& p) {
-    const auto near = [&](const Vec3& q) { return squared_norm(p - q) < apart * apart; };
-    if (!std::any_of(places.begin(), places.end(), near)) places.push_back(p);
-  };
-  for (const std::uint32_t v : bad_edges(last_)) add(vertex_at(last_, v));
+/// Where the last surface is open, has an edge of several triangles, meets itself or leaves the
+/// base surface.
+void Polygonizer::note_defects() {
+  std::vector<Vec3> defects = std::move(astray_);
+  astray_.clear();
+  for (const std::uint32_t v : bad_edges(last_)) defects.push_back(vertex_at(last_, v));
   const Intersections found =
       find_intersections(backend_, last_, build_triangle_tree(backend_, last_));
-  for (const CarefulPlace& place : places_of(last_, found.pairs, apart, 1)) add(place.centre);
-  return places;
+  for (const CarefulPlace& place : places_of(last_, found.pairs, 1, 1))
+    defects.push_back(place.centre);
+  note(defects);
+}
+
+/// A place for each defect that no new one covers; its factor by how many old ones do.
+void Polygonizer::note(const std::vector<Vec3>& defects) {
+  first_fresh_ = places_.size();
+  const float radius = kPlace * rule_.edge_max;
+  const auto covers = [&](const CarefulPlace& place, const Vec3& p) {
+    return squared_norm(p - place.centre) < 0.25f * (radius * radius);
+  };
+  for (const Vec3& p : defects) {
+    const auto first_new = places_.begin() + static_cast<std::ptrdiff_t>(first_fresh_);
+    if (std::any_of(first_new, places_.end(), [&](const auto& q) { return covers(q, p); }))
+      continue;
+    const auto failures = static_cast<std::size_t>(
+        std::count_if(places_.begin(), first_new, [&](const auto& q) { return covers(q, p); }));
+    places_.push_back({p, radius, kFactors[std::min(failures, std::size(kFactors) - 1)]});
+  }
 }
 
 TriangleMesh Polygonizer::in_voxels(TriangleMesh mesh) const {

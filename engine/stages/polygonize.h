@@ -32,9 +32,14 @@ class Polygonizer {
   Polygonizer(Scheduler& scheduler, const Lattice& lattice, const std::array<int, 3>& size,
               const Scale& scale, TriangleMesh base, const Parameters& parameters);
 
-  /// The next surface to prove, in padded voxel units: of mesh expanding, a few times with what
-  /// failed made hard; the base surface remeshed as a whole; the base surface as it is; then none.
+  /// The next surface to prove, in padded voxel units: of mesh expanding; the same with the places
+  /// that failed made again from the base surface, with shorter edges from time to time and at last
+  /// as it is there; the base surface remeshed as a whole; the base surface; then none.
   std::optional<TriangleMesh> next();
+
+  /// Whether the surface that next() gave last follows the base surface everywhere. reject() it if
+  /// not, even where its proof holds; the last attempt's is as near as can be had.
+  bool follows_base();
 
   /// What became of the surface that next() gave last: the base surface stays where it failed.
   void reject();
@@ -49,8 +54,11 @@ class Polygonizer {
 
   void aim(double triangles);
   TriangleMesh expanded();
+  TriangleMesh redone();
   TriangleMesh remeshed();
-  std::vector<Vec3> places_of_defects() const;
+  TriangleMesh front_over(const TriangleMesh& patches);
+  void note_defects();
+  void note(const std::vector<Vec3>& defects);
   TriangleMesh in_voxels(TriangleMesh mesh) const;
 
   Scheduler& scheduler_;
@@ -64,8 +72,10 @@ class Polygonizer {
   SizeField sizes_;
   Method method_ = Method::expanded;
   int aims_ = 0;
-  std::vector<Vec3> hard_places_;
-  TriangleMesh last_;  ///< voxel lengths
+  std::vector<CarefulPlace> places_;  ///< where attempts have failed
+  std::size_t first_fresh_ = 0;       ///< of the places: those of the last attempt follow
+  std::vector<Vec3> astray_;          ///< where the last surface leaves the base surface
+  TriangleMesh last_;                 ///< voxel lengths
   MeshReport report_;
 };
 

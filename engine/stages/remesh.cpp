@@ -20,16 +20,6 @@ constexpr int kRepairedRounds = 2;  // the last ones
 /// A vertex removed is one that the next rounds need not look at: from the shortest edges up.
 constexpr float kCoarsening[] = {0.3f, 0.5f, 0.7f, kShortest};
 
-/// Points within places where the input stays.
-void fix_places(const RemeshGoal& goal, WorkingSurface& surface) {
-  const bool any = std::any_of(goal.places.begin(), goal.places.end(),
-                               [](const CarefulPlace& place) { return place.factor == 0; });
-  if (!any) return;
-  surface.fixed.resize(surface.points.size());
-  for (std::size_t v = 0; v < surface.points.size(); ++v)
-    surface.fixed[v] = goal.size_at(surface.points[v].position) == 0;
-}
-
 /// Rounds of split, collapse, flip and smooth; the last `repaired` of them repair as well.
 void run_rounds(Backend& backend, const RemeshGoal& goal, int rounds, int repaired,
                 WorkingSurface& surface) {
@@ -67,8 +57,7 @@ void remesh_places(Backend& backend, const RemeshGoal& goal, WorkingSurface& sur
 
 std::int64_t count_pairs(Backend& backend, const TriangleMesh& mesh,
                          std::vector<TrianglePair>& pairs) {
-  Intersections found =
-      find_intersections(backend, mesh, build_triangle_tree(backend, mesh));
+  Intersections found = find_intersections(backend, mesh, build_triangle_tree(backend, mesh));
   pairs = std::move(found.pairs);
   return found.count;
 }

@@ -198,6 +198,16 @@ float squared_radius(const FieldView& field, const Vec3& p, const Vec3& normal, 
   return squared_norm(q - p) / std::max(turned, 1e-12f);
 }
 
+/// The least factor of the places that hold a point, at least 0.4; 1 in none.
+float place_factor(std::span<const CarefulPlace> places, const Vec3& p) {
+  constexpr float kLeast = 0.4f;
+  float factor = 1;
+  for (const CarefulPlace& place : places)
+    if (squared_norm(p - place.centre) <= place.radius * place.radius)
+      factor = std::min(factor, std::max(place.factor, kLeast));
+  return factor;
+}
+
 }  // namespace
 
 float radius_of_curvature(const FieldView& field, const Vec3& p, const Vec3& normal) {
@@ -258,18 +268,19 @@ SizeField make_sizes(Backend& backend, const IndicatorField& field, const Triang
 
   smooth_radii(backend, field, result.samples);
   result.sizes = Buffer<float>(backend, view.coefficients.size / kBrickCells * kCells);
-  apply_rule(backend, field, surface, rule, result);
+  apply_rule(backend, field, surface, rule, {}, result);
   return result;
 }
 
 void apply_rule(Backend& backend, const IndicatorField& field, const TriangleMesh& surface,
-                const SizeRule& rule, SizeField& sizes) {
+                const SizeRule& rule, std::span<const CarefulPlace> places, SizeField& sizes) {
   sizes.largest = rule.edge_max;
   float* values = sizes.sizes.view().data();
   std::fill_n(values, sizes.sizes.size(), rule.edge_max);
   float least = rule.edge_max;
   for (std::size_t i = 0; i < sizes.samples.count(); ++i) {
-    const float size = size_for(rule, sizes.samples.radius[i]);
+    const float size =
+        place_factor(places, sizes.samples.position[i]) * size_for(rule, sizes.samples.radius[i]);
     values[sizes.samples.cell[i]] = size;
     least = std::min(least, size);
   }

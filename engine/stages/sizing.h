@@ -8,6 +8,7 @@
 /// Radii are taken once for each such cell that the base surface passes.
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "backend/backend.h"
@@ -57,9 +58,10 @@ float radius_of_curvature(const FieldView& field, const Vec3& p, const Vec3& nor
 SizeField make_sizes(Backend& backend, const IndicatorField& field, const TriangleMesh& surface,
                      const SizeRule& rule);
 
-/// The same by another rule, from the radii that `sizes` has.
+/// The same by another rule, from the radii that `sizes` has; shorter in the places, by the least
+/// of their factors, of which none counts below 0.4.
 void apply_rule(Backend& backend, const IndicatorField& field, const TriangleMesh& surface,
-                const SizeRule& rule, SizeField& sizes);
+                const SizeRule& rule, std::span<const CarefulPlace> places, SizeField& sizes);
 
 /// Lowers each value to what its neighbours allow, value(p) <= value(q) + growth |p - q|, by
 /// min-plus passes over the 26 neighbours that carry a value `reach` lengths far.

@@ -10,6 +10,13 @@
 
 namespace vasamesh {
 
+/// A ball in which edges are to be shorter than elsewhere, or the input is to stay as it is.
+struct CarefulPlace {
+  Vec3 centre;
+  float radius = 2;  ///< voxel lengths
+  float factor = 1;  ///< of the sizes; 0: the input's vertices stay
+};
+
 struct SizeView {
   FieldView field;          ///< its grid and table of bricks
   View<const float> sizes;  ///< 64 a brick, x fastest; voxel lengths
