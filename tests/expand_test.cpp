@@ -183,7 +183,7 @@ TEST(Expand, EdgesFollowTheSizes) {
     const auto t = static_cast<float>(i);
     balls.push_back(ball({9 + 0.35f * t, 12, 12}, 1.7f + 0.045f * t));
   }
-  const Scene scene({64, 24, 24}, joined(balls, 0.2f), {0.6f, 0.5f, 4, 0.25f});
+  const Scene scene({64, 24, 24}, joined(balls, 0.2f), {.edge_min = 0.5f, .edge_max = 4});
   const FrontResult front = scene.expand();
   expect_front_is_sound(scene, front);
   const SizeView sizes = scene.sizes.view(scene.base.field);
@@ -261,7 +261,7 @@ TEST(Expand, AClosedPatchIsLeftAlone) {
 }
 
 TEST(Expand, StopsAtThreeTimesThePrediction) {
-  Scene scene({24, 24, 24}, ball({12, 12, 12}, 8), {0.6f, 0.4f, 0.4f, 0.25f});
+  Scene scene({24, 24, 24}, ball({12, 12, 12}, 8), {.edge_min = 0.4f, .edge_max = 0.4f});
   ASSERT_GT(scene.sizes.predicted_triangles, 8000);
   scene.sizes.predicted_triangles = 1500;
   const FrontResult front = scene.expand();

@@ -127,7 +127,7 @@ TEST(Sizing, PredictsTheTrianglesOfASphere) {
   const AnalyticScene scene(backend(), {24, 24, 24}, ball({12, 12, 12}, 8));
   for (const float edge : {0.8f, 1.3f}) {
     const SizeField sizes =
-        make_sizes(backend(), scene.field, scene.surface, {0.6f, edge, edge, 0.25f});
+        make_sizes(backend(), scene.field, scene.surface, {.edge_min = edge, .edge_max = edge});
     const double want = 4 * std::numbers::pi * 64 / (std::sqrt(3.0) / 4 * edge * edge);
     EXPECT_NEAR(sizes.predicted_triangles, want, 0.02 * want);
   }
