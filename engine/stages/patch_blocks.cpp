@@ -111,8 +111,7 @@ struct Part {
 
 /// Takes a block out of the surface, works on it, and writes its vertices back.
 Part work_on(WorkingSurface& surface, const std::vector<std::uint32_t>& degree,
-             const Division& division, std::size_t b,
-             const std::function<void(PatchMesh&)>& work) {
+             const Division& division, std::size_t b, const std::function<void(PatchMesh&)>& work) {
   const std::uint32_t first = division.first[b], end = division.first[b + 1];
   const auto old_count = static_cast<std::uint32_t>(surface.points.size());
   VertexTable table(2 * (end - first));
@@ -186,9 +185,8 @@ void for_each_block(Backend& backend, const BlockGrid& grid, WorkingSurface& sur
   for (std::uint32_t v : surface.triangles) ++degree[v];
   const Division division = divide(backend, grid, surface);
   std::vector<Part> parts(division.count());
-  backend.run(division.count(), [&](std::size_t b) {
-    parts[b] = work_on(surface, degree, division, b, work);
-  });
+  backend.run(division.count(),
+              [&](std::size_t b) { parts[b] = work_on(surface, degree, division, b, work); });
   join(backend, parts, surface);
 }
 
@@ -199,8 +197,8 @@ void set_mesh_normals(WorkingSurface& surface) {
   for (std::size_t c = 0; c < surface.triangles.size(); c += 3) {
     SurfacePoint* corner[3];
     for (int i = 0; i < 3; ++i) corner[i] = &surface.points[surface.triangles[c + i]];
-    const Vec3 normal = cross(corner[1]->position - corner[0]->position,
-                              corner[2]->position - corner[0]->position);
+    const Vec3 normal =
+        cross(corner[1]->position - corner[0]->position, corner[2]->position - corner[0]->position);
     for (SurfacePoint* p : corner) p->normal = p->normal + normal;
   }
 }

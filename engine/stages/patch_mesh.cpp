@@ -67,8 +67,7 @@ int PatchMesh::fan_size(std::uint32_t v) const {
 
 bool PatchMesh::are_joined(std::uint32_t from, std::uint32_t to) const {
   bool joined = false;
-  for_each_out(from,
-               [&](std::uint32_t h) { joined |= target(h) == to || apex(h) == to; });
+  for_each_out(from, [&](std::uint32_t h) { joined |= target(h) == to || apex(h) == to; });
   return joined;
 }
 

@@ -17,7 +17,7 @@ constexpr float kGain = 1.01f;  // the least by which a squared sine must grow
 constexpr float kInflation = 0.1f;
 constexpr int kRelaxations = 6;
 constexpr float kShrink = 0.5f, kGrow = -0.52f;  // of the way to the mean of the neighbours
-constexpr float kMostRelaxed = 0.3f;  // voxel lengths from where a vertex was
+constexpr float kMostRelaxed = 0.3f;             // voxel lengths from where a vertex was
 
 float quality_of(const PatchMesh& mesh, std::uint32_t h) {
   return triangle_quality(mesh.points[mesh.origin(h)], mesh.points[mesh.target(h)],

@@ -10,7 +10,7 @@ namespace vasamesh {
 
 namespace {
 
-constexpr float kReach = 0.3f;     // voxel lengths that the projection may move a vertex
+constexpr float kReach = 0.3f;        // voxel lengths that the projection may move a vertex
 constexpr float kLargestStep = 0.5f;  // of the size
 
 /// The mean of the centres of the triangles round v, weighted by area over squared size.

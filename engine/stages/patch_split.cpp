@@ -7,9 +7,9 @@ namespace vasamesh {
 
 namespace {
 
-constexpr float kLeastSlope = 0.15f;      // of the field a voxel length
-constexpr float kLeastAgreement = 0.5f;   // cosine of the normals before and after
-constexpr float kMostDistance = 0.1f;     // voxel lengths
+constexpr float kLeastSlope = 0.15f;     // of the field a voxel length
+constexpr float kLeastAgreement = 0.5f;  // cosine of the normals before and after
+constexpr float kMostDistance = 0.1f;    // voxel lengths
 
 /// Whether the field's normal there is of use to a point with the normal `wanted`.
 bool is_of_use(const FieldSample& sample, const Vec3& wanted, float slope) {
@@ -22,8 +22,8 @@ bool is_of_use(const FieldSample& sample, const Vec3& wanted, float slope) {
 void take_normal(const FieldView& field, SurfacePoint& point) {
   const FieldSample sample = sample_field(field, point.position);
   const float slope = norm(sample.gradient);
-  point.on_field = is_of_use(sample, point.normal, slope) &&
-                   std::abs(sample.value) <= kMostDistance * slope;
+  point.on_field =
+      is_of_use(sample, point.normal, slope) && std::abs(sample.value) <= kMostDistance * slope;
   if (point.on_field) point.normal = (-1 / slope) * sample.gradient;
 }
 

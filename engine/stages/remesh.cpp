@@ -67,8 +67,7 @@ void remesh_places(Backend& backend, const RemeshGoal& goal, WorkingSurface& sur
 
 std::int64_t count_pairs(Backend& backend, const TriangleMesh& mesh,
                          std::vector<TrianglePair>& pairs) {
-  Intersections found =
-      find_intersections(backend, mesh, build_triangle_tree(backend, mesh));
+  Intersections found = find_intersections(backend, mesh, build_triangle_tree(backend, mesh));
   pairs = std::move(found.pairs);
   return found.count;
 }

@@ -33,7 +33,7 @@ TriangleMesh remesh(Backend& backend, const FieldView& field, const SizeView& si
 /// A surface without self-intersections, and what that took.
 struct ProvenSurface {
   TriangleMesh mesh;
-  std::vector<CarefulPlace> places;  ///< where edges had to be shorter or the input stayed
+  std::vector<CarefulPlace> places;     ///< where edges had to be shorter or the input stayed
   std::int64_t intersecting_pairs = 0;  ///< left; 0 unless the input has some
 };
 
