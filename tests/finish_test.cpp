@@ -43,14 +43,14 @@ class Finish : public ::testing::Test {
 };
 
 TEST_F(Finish, AShakenSurfaceGetsItsShapeBack) {
-  const TriangleMesh start = remeshed(), rough = shaken(start, 0.3f);
-  ASSERT_LT(measure_quality(*backend_, rough).least_angle.minimum, 26);
+  const TriangleMesh start = remeshed(), rough = shaken(start, 0.2f);
+  ASSERT_LT(measure_quality(*backend_, rough).edge_ratio_above_08, 0.7);
   const TriangleMesh mesh = finished(rough, *backend_);
   expect_good_surface(mesh, Topology{1, 1, 0});
   const QualityReport quality = measure_quality(*backend_, mesh);
   EXPECT_GE(quality.least_angle.minimum, 25);
-  EXPECT_GE(quality.edge_ratio_above_08, 0.75);
-  EXPECT_GE(quality.least_angle.percentile_5, 40);
+  EXPECT_GE(quality.edge_ratio_above_08, 0.85);
+  EXPECT_GE(quality.least_angle.percentile_5, 44);
   EXPECT_NEAR(static_cast<double>(mesh.triangle_count()),
               static_cast<double>(start.triangle_count()),
               0.02 * static_cast<double>(start.triangle_count()));

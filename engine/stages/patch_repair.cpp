@@ -14,8 +14,11 @@ namespace {
 
 constexpr float kReach = 0.3f;  // voxel lengths that the projection may move a vertex
 constexpr float kGain = 1.01f;  // the least by which a squared sine must grow
-constexpr float kInflation = 0.1f;
-constexpr int kRelaxations = 6;
+
+// Relaxation of crumpled places: needles are first made wider (each third time gaps are), then
+// smoothed without shrinking (Taubin: A signal processing approach to fair surface design, 1995).
+constexpr float kInflation = 0.1f;               // voxel lengths
+constexpr int kRelaxations = 6;                  // steps, shrinking and growing in turn
 constexpr float kShrink = 0.5f, kGrow = -0.52f;  // of the way to the mean of the neighbours
 constexpr float kMostRelaxed = 0.3f;             // voxel lengths from where a vertex was
 
