@@ -68,8 +68,7 @@ void expect_sound(const PatchMesh& patch) {
 TriangleMesh fan(int n, bool closed) {
   TriangleMesh mesh;
   add_vertex(mesh, {0, 0, 0});
-  for (int i = 0; i < n + (closed ? 0 : 1); ++i)
-    add_vertex(mesh, {static_cast<float>(i), 1, 0});
+  for (int i = 0; i < n + (closed ? 0 : 1); ++i) add_vertex(mesh, {static_cast<float>(i), 1, 0});
   for (int i = 0; i < n; ++i) add_triangle(mesh, 0, 1 + i, closed ? 1 + (i + 1) % n : 2 + i);
   return mesh;
 }
@@ -131,8 +130,8 @@ TEST(PatchMesh, AnEdgeAcrossFromBorderToBorderStays) {
     i % 2 ? add_triangle(strip, i, i + 2, i + 1) : add_triangle(strip, i, i + 1, i + 2);
   PatchMesh patch = patch_of(turned_inside_out(strip));
   expect_sound(patch);
-  const std::uint32_t h = edge_between(patch, 4, 5) != kNone ? edge_between(patch, 4, 5)
-                                                             : edge_between(patch, 5, 4);
+  const std::uint32_t h =
+      edge_between(patch, 4, 5) != kNone ? edge_between(patch, 4, 5) : edge_between(patch, 5, 4);
   ASSERT_NE(patch.twin(h), kNone);
   EXPECT_FALSE(patch.may_collapse(h, 4, 5));
   EXPECT_FALSE(patch.may_collapse(h, 5, 4));

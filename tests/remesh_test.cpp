@@ -122,7 +122,8 @@ TEST(Remesh, ThinAndCloseSheets) {
       return std::min(side, 1 - std::abs(p.z - low));
     };
   };
-  const Scene slit({24, 24, 16}, [&](const Vec3& p) { return std::max(plate(6.5f)(p), plate(9.5f)(p)); });
+  const Scene slit({24, 24, 16},
+                   [&](const Vec3& p) { return std::max(plate(6.5f)(p), plate(9.5f)(p)); });
   expect_good_remesh(slit, slit.remeshed());
 }
 
@@ -200,7 +201,8 @@ TEST(Remesh, APatchKeepsItsBorders) {
   EXPECT_EQ(report.intersecting_pairs, 0);
   for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) {
     const Vec3 p = vertex_at(mesh, v);
-    EXPECT_NEAR(norm(Vec3{0, p.y - 8, p.z - 8}), 3, 0.05) << "vertex " << v << " at " << p.x << " " << p.y << " " << p.z;
+    EXPECT_NEAR(norm(Vec3{0, p.y - 8, p.z - 8}), 3, 0.05)
+        << "vertex " << v << " at " << p.x << " " << p.y << " " << p.z;
     EXPECT_GT(p.x, 11.5f);
     EXPECT_LT(p.x, 28.5f);
   }
@@ -237,8 +239,8 @@ TEST(Remesh, PlacesKeepTheInputOrGetShorterEdges) {
 
 TEST(Remesh, ProvenSurfacesNeedNoPlacesWhereAllIsWell) {
   const Scene scene({40, 40, 40}, random_tree(2, 5, 40));
-  const ProvenSurface proven = remesh_proven(backend(), scene.base.field.view(),
-                                             scene.sizes.view(scene.base.field), scene.base.surface);
+  const ProvenSurface proven = remesh_proven(
+      backend(), scene.base.field.view(), scene.sizes.view(scene.base.field), scene.base.surface);
   EXPECT_EQ(proven.intersecting_pairs, 0);
   EXPECT_TRUE(proven.places.empty());
   EXPECT_EQ(proven.mesh.vertices, scene.remeshed().vertices);

@@ -11,13 +11,13 @@ namespace vasamesh {
 
 /// Directions of a compass, as (cosine, sine).
 inline constexpr std::array<std::array<float, 2>, 8> kCompass = {{{1, 0},
-                                                           {0.70710678f, 0.70710678f},
-                                                           {0, 1},
-                                                           {-0.70710678f, 0.70710678f},
-                                                           {-1, 0},
-                                                           {-0.70710678f, -0.70710678f},
-                                                           {0, -1},
-                                                           {0.70710678f, -0.70710678f}}};
+                                                                  {0.70710678f, 0.70710678f},
+                                                                  {0, 1},
+                                                                  {-0.70710678f, 0.70710678f},
+                                                                  {-1, 0},
+                                                                  {-0.70710678f, -0.70710678f},
+                                                                  {0, -1},
+                                                                  {0.70710678f, -0.70710678f}}};
 
 /// Two unit vectors across a unit normal.
 inline std::array<Vec3, 2> tangents(const Vec3& normal) {

@@ -9,15 +9,22 @@ namespace vasamesh {
 namespace {
 
 constexpr float kBlock = 32;  // voxel lengths
-constexpr int kRounds = 3;
+constexpr int kPlainRounds = 1, kRounds = 4;
 constexpr int kLastRounds = 4;  // that may follow where triangles with small angles are left
 
-/// Whether a triangle has an angle below 20 degrees.
+/// Whether a triangle of the part has an angle below 20 degrees.
+bool any_poor(const PatchMesh& part) {
+  for (std::uint32_t h = 0; h < part.half_edge_end(); h += 4)
+    if (part.is_edge(h) && least_sine(part.points[part.origin(h)], part.points[part.target(h)],
+                                      part.points[part.apex(h)]) < kSine20)
+      return true;
+  return false;
+}
+
 bool any_poor(const WorkingSurface& surface) {
   for (std::size_t c = 0; c < surface.triangles.size(); c += 3)
-    if (triangle_quality(surface.points[surface.triangles[c]],
-                         surface.points[surface.triangles[c + 1]],
-                         surface.points[surface.triangles[c + 2]], -1) < kSine20)
+    if (least_sine(surface.points[surface.triangles[c]], surface.points[surface.triangles[c + 1]],
+                   surface.points[surface.triangles[c + 2]]) < kSine20)
       return true;
   return false;
 }
@@ -30,12 +37,13 @@ void finish(Backend& backend, const RemeshGoal& goal, WorkingSurface& surface) {
                    [&](PatchMesh& part) {
                      if (!goal.wants(part)) return;
                      flip_to_angle(part, 3);
-                     smooth(part, goal, 2);
-                     equalise(part, goal, 2);
-                     if (round < kRounds - 1) {
+                     if (round < kPlainRounds) {
+                       smooth(part, goal, 2);
                        repair(part, goal, kSine20, 2);
                        return;
                      }
+                     smooth(part, goal, 1);
+                     equalise(part, goal, 4);
                      repair(part, goal, kSine40, 3);
                      equalise(part, goal, 4);
                      repair(part, goal, kSine25, 24);
@@ -43,7 +51,11 @@ void finish(Backend& backend, const RemeshGoal& goal, WorkingSurface& surface) {
   for (int round = 0; round < kLastRounds && any_poor(surface); ++round)
     for_each_block(backend, {kBlock, 0.23f * static_cast<float>(round)}, surface,
                    [&](PatchMesh& part) {
-                     if (goal.wants(part)) repair(part, goal, kSine25, 16);
+                     if (!goal.wants(part) || !any_poor(part)) return;
+                     flip_to_angle(part, 3);
+                     smooth(part, goal, 1);
+                     equalise(part, goal, 8);
+                     repair(part, goal, kSine25, 24);
                    });
 }
 

@@ -13,7 +13,7 @@ namespace {
 
 constexpr float kReach = 0.1f;  // voxel lengths that the projection may move a vertex
 constexpr float kSmallGain = 1e-3f;
-constexpr float kEnough = 0.72f;  // squared edge ratio above which a triangle needs no more
+constexpr float kEnough = 0.66f;  // squared edge ratio above which a triangle needs no more
 
 /// Sum over the fan of the squared edge ratios, each at most kEnough.
 float fan_equality(const PatchMesh& mesh, std::uint32_t v, const Vec3& p) {

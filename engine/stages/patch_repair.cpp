@@ -14,10 +14,13 @@ namespace {
 
 constexpr float kReach = 0.3f;  // voxel lengths that the projection may move a vertex
 constexpr float kGain = 1.01f;  // the least by which a squared sine must grow
-constexpr float kInflation = 0.1f;
-constexpr int kRelaxations = 6;
+
+// Relaxation of crumpled places: needles are first made wider (each third time gaps are), then
+// smoothed without shrinking (Taubin: A signal processing approach to fair surface design, 1995).
+constexpr float kInflation = 0.1f;               // voxel lengths
+constexpr int kRelaxations = 6;                  // steps, shrinking and growing in turn
 constexpr float kShrink = 0.5f, kGrow = -0.52f;  // of the way to the mean of the neighbours
-constexpr float kMostRelaxed = 0.3f;             // voxel lengths from where a vertex was
+constexpr float kMostRelaxed = 0.5f;             // voxel lengths that a vertex may move so in all
 
 float quality_of(const PatchMesh& mesh, std::uint32_t h) {
   return triangle_quality(mesh.points[mesh.origin(h)], mesh.points[mesh.target(h)],
@@ -194,6 +197,7 @@ void Repair::relax(float wanted) {
     SurfacePoint point = mesh_.points[v];
     point.normal = fan_normal(mesh_, v);
     point.position = point.position + inflation * point.normal;
+    if (point.drift + kInflation > kMostRelaxed) continue;
     clearance_.move_if_clear(mesh_, v, point);
   }
   for (int pass = 0; pass < kRelaxations; ++pass)
@@ -207,12 +211,14 @@ void Repair::relax(float wanted) {
       });
       const float part = pass % 2 == 0 ? kShrink : kGrow;
       point.position = point.position + part * ((1 / count) * sum - point.position);
-      if (squared_norm(point.position - start[i]) > kMostRelaxed * kMostRelaxed) continue;
+      if (point.drift + norm(point.position - start[i]) > kMostRelaxed) continue;
       clearance_.move_if_clear(mesh_, vertices[i], point);
     }
-  for (std::uint32_t v : vertices) {
-    mesh_.points[v].on_field = false;
-    mesh_.points[v].normal = fan_normal(mesh_, v);
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    SurfacePoint& point = mesh_.points[vertices[i]];
+    point.drift += norm(point.position - start[i]);
+    point.on_field = false;
+    point.normal = fan_normal(mesh_, vertices[i]);
   }
 }
 

@@ -32,6 +32,14 @@ inline float least_sine(float a, float b, float c, float doubled_area) {
   return longest_two > 0 ? doubled_area / longest_two : 0.0f;
 }
 
+/// Squared sine of the triangle's least angle.
+inline float least_sine(const SurfacePoint& a, const SurfacePoint& b, const SurfacePoint& c) {
+  const Vec3 ab = b.position - a.position, bc = c.position - b.position,
+             ca = a.position - c.position;
+  return least_sine(squared_norm(ab), squared_norm(bc), squared_norm(ca),
+                    squared_norm(cross(ab, bc)));
+}
+
 /// Squared sine of the triangle's least angle. Where it does not face as the surface at one of its
 /// corners does (kLeastFacing), the cosine between them minus 1: below -0.5, the worse the lower.
 inline float triangle_quality(const SurfacePoint& a, const SurfacePoint& b, const SurfacePoint& c,
@@ -66,8 +74,8 @@ inline Vec3 fan_normal(const PatchMesh& mesh, std::uint32_t v) {
   Vec3 sum;
   const Vec3& p = mesh.points[v].position;
   mesh.for_each_out(v, [&](std::uint32_t h) {
-    sum = sum + cross(mesh.points[mesh.target(h)].position - p,
-                      mesh.points[mesh.apex(h)].position - p);
+    sum = sum +
+          cross(mesh.points[mesh.target(h)].position - p, mesh.points[mesh.apex(h)].position - p);
   });
   return normalised(sum);
 }
@@ -105,8 +113,8 @@ inline bool may_replace(const SurfacePoint& old, const SurfacePoint& point, cons
 }
 
 /// Whether `point` may take the place of the whole vertex v in all of its triangles.
-inline bool may_move(const PatchMesh& mesh, std::uint32_t v, const SurfacePoint& point,
-                     float limit, float least_facing = kLeastFacing) {
+inline bool may_move(const PatchMesh& mesh, std::uint32_t v, const SurfacePoint& point, float limit,
+                     float least_facing = kLeastFacing) {
   bool good = true;
   mesh.for_each_out(v, [&](std::uint32_t h) {
     good = good && may_replace(mesh.points[v], point, mesh.points[mesh.target(h)],

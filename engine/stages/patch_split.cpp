@@ -33,7 +33,7 @@ bool put_onto_surface(const RemeshGoal& goal, float reach, SurfacePoint& point) 
   const FieldSample sample = project_to_surface(goal.field, reach, kSteps, position);
   const float slope = norm(sample.gradient);
   if (!is_of_use(sample, point.normal, slope)) return false;
-  point = {position, (-1 / slope) * sample.gradient, goal.size_at(position), true};
+  point = {position, (-1 / slope) * sample.gradient, goal.size_at(position), 0, true};
   return true;
 }
 
@@ -66,7 +66,8 @@ void split_long_edges(PatchMesh& mesh, const RemeshGoal& goal, float longest) {
     const SurfacePoint& q = mesh.points[w];
     if (!(relative_length(p, q) > longest * longest)) continue;
     SurfacePoint middle = {0.5f * (p.position + q.position), normalised(p.normal + q.normal),
-                           0.5f * (p.size + q.size), p.on_field && q.on_field};
+                           0.5f * (p.size + q.size), std::max(p.drift, q.drift),
+                           p.on_field && q.on_field};
     const float reach = std::max(kReach, kReachOfEdge * norm(q.position - p.position));
     middle.on_field = middle.on_field && put_onto_surface(goal, reach, middle);
     if (splits_well(mesh, h, middle)) mesh.split(h, middle);

@@ -25,7 +25,8 @@ namespace vasamesh {
 /// Remeshes a closed surface or one with borders, in voxel lengths, to about the number of
 /// triangles that its area and the sizes ask for. Vertices come onto the field's zero set where it
 /// is near; borders move along the surface a little and keep six edges or more.
-/// \param mesh  manifold, without degenerate triangles, counter-clockwise from outside.
+/// \param mesh  manifold, without degenerate triangles, counter-clockwise from outside; no
+///              coordinate is negative.
 /// \param places  may overlap: the least factor counts.
 TriangleMesh remesh(Backend& backend, const FieldView& field, const SizeView& sizes,
                     const TriangleMesh& mesh, std::span<const CarefulPlace> places = {});
