@@ -47,22 +47,28 @@ void take_off(const std::vector<Closing>& closings, Solid& solid, RelabelReport&
   }
 }
 
-/// The first of the polygonizer's surfaces that passes its proof. Coordinates are rounded before
-/// it.
+/// The best of the polygonizer's surfaces that pass their proof, with its check and its making in
+/// the report. Coordinates are rounded before the proof.
 TriangleMesh proven_surface(Polygonizer& polygonizer, Scheduler& scheduler,
                             const SolidMatch& wanted, Report& report) {
+  std::optional<TriangleMesh> best;
+  CheckReport check;
   while (std::optional<TriangleMesh> mesh = polygonizer.next()) {
     scheduler.begin("check", Stage::verify);
     place_in_space(scheduler.host(), wanted.geometry, wanted.space, *mesh);
-    report.check = check_surface(scheduler.host(), *mesh, &wanted);
+    check = check_surface(scheduler.host(), *mesh, &wanted);
+    const Verdict verdict = polygonizer.judge(check);
+    if (verdict == Verdict::refuse) continue;
+    best = std::move(mesh);
+    report.check = check;
     report.mesh = polygonizer.report();
-    if (!report.check.passed || !polygonizer.follows_base())
-      polygonizer.reject();
-    else if (polygonizer.accept_count(report.check.triangles))
-      return std::move(*mesh);
+    if (verdict == Verdict::take) break;
   }
-  throw Error(ErrorCode::failed_check,
-              "the surface failed its proof and is not written: " + report.check.reason);
+  if (!best)
+    throw Error(ErrorCode::failed_check,
+                "the surface failed its proof and is not written: " + check.reason);
+  report.mesh.attempts = polygonizer.report().attempts;
+  return std::move(*best);
 }
 
 /// The whole method, in the order of the paper.

@@ -7,11 +7,13 @@
 #include <string>
 #include <utility>
 
+#include "stages/curvature.h"
 #include "stages/distance.h"
 #include "stages/expand.h"
 #include "stages/finish.h"
 #include "stages/hard.h"
 #include "stages/intersect.h"
+#include "stages/lattice.h"
 #include "stages/pinches.h"
 #include "stages/remesh.h"
 #include "stages/stitch.h"
@@ -21,12 +23,14 @@ namespace vasamesh {
 
 namespace {
 
-constexpr int kExpansions = 4;                        // attempts of mesh expanding
-constexpr int kAims = 3;                              // attempts at a number of triangles
-constexpr double kCountTolerance = 0.1;               // of the triangles that are asked for
+constexpr int kFrontAttempts = 6;        // surfaces of mesh expanding
+constexpr int kRemeshAttempts = 3;       // then, of the base surface remeshed whole
+constexpr int kAims = 3;                 // attempts at a number of triangles
+constexpr double kCountTolerance = 0.1;  // of the triangles that are asked for
+constexpr float kRemeshFactors[] = {0.5f, 0};
 constexpr float kFactors[] = {0.7f, 0.5f, 0.35f, 0};  // of the edges in a place, failure by failure
 constexpr float kPlace = 2.5f, kMargin = 1.2f;  // edge_max: a place's radius, the front's room
-constexpr float kAstray = 0.3f;  // voxel lengths from the base surface that are too far
+constexpr float kFarShare = 0.9f;  // of the distance limit: how far from face centres is too far
 constexpr float kLeastEdge = 0.05f, kLongestEdge = 100;  // voxel lengths
 constexpr std::uint32_t kNoVertex = 0xffffffffu;
 
@@ -103,6 +107,22 @@ std::vector<CarefulPlace> where_base_stays(std::span<const CarefulPlace> places)
   return kept;
 }
 
+/// The centres of the faces between object and background.
+std::vector<Vec3> find_face_centres(const Lattice& lattice, const Scale& scale) {
+  std::vector<Vec3> centres;
+  const auto coords = lattice.bricks.coords.view();
+  const auto state = lattice.state.view();
+  for (std::size_t node = 0; node < state.size; ++node) {
+    if (!(state[node] & kFaceCentre)) continue;
+    const BrickCoord& brick = coords[node / kBrickCells];
+    const int cell = static_cast<int>(node % kBrickCells);
+    centres.push_back({0.5f * scale[0] * static_cast<float>(8 * brick.x + (cell & 7)),
+                       0.5f * scale[1] * static_cast<float>(8 * brick.y + (cell >> 3 & 7)),
+                       0.5f * scale[2] * static_cast<float>(8 * brick.z + (cell >> 6))});
+  }
+  return centres;
+}
+
 double area_of(const TriangleMesh& mesh) {
   double area = 0;
   for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
@@ -145,10 +165,12 @@ Polygonizer::Polygonizer(Scheduler& scheduler, const Lattice& lattice,
       rule_(asked_),
       wanted_triangles_(static_cast<double>(parameters.edges.triangles)),
       base_(std::move(base)),
-      method_(parameters.surface == SurfaceKind::base ? Method::base : Method::expanded) {
+      farthest_(kFarShare * distance_limit(scale)),
+      plan_(parameters.surface == SurfaceKind::base ? Plan::base : Plan::expand) {
   for (std::size_t i = 0; i < base_.vertices.size(); ++i) base_.vertices[i] *= scale_[i % 3];
-  if (method_ == Method::base) return;
+  if (plan_ == Plan::base) return;
   scheduler_.begin("sizes", Stage::mesh);
+  face_centres_ = find_face_centres(lattice, scale);
   field_ = make_field(backend_, lattice, size, scale);
   sizes_ = make_sizes(backend_, field_, base_, rule_);
   if (wanted_triangles_ > 0) aim(wanted_triangles_);
@@ -177,53 +199,90 @@ void Polygonizer::aim(double triangles) {
 }
 
 std::optional<TriangleMesh> Polygonizer::next() {
-  switch (method_) {
-    case Method::expanded:
-      last_ = places_.empty() ? expanded() : redone();
+  switch (plan_) {
+    case Plan::expand:
+      last_ = expanded();
       break;
-    case Method::remeshed:
+    case Plan::redo:
+      last_ = redone();
+      break;
+    case Plan::remesh:
       last_ = remeshed();
       break;
-    case Method::base:
+    case Plan::base:
       last_ = base_;
       report_.base_share = 1;
       break;
-    case Method::none:
+    case Plan::stop:
       return std::nullopt;
   }
   ++report_.attempts;
   return in_voxels(last_);
 }
 
-bool Polygonizer::follows_base() {
-  if (method_ != Method::expanded || report_.attempts == kExpansions) return true;
-  std::vector<Vec3> points(base_.vertex_count());
-  for (std::size_t v = 0; v < points.size(); ++v)
-    points[v] = vertex_at(base_, static_cast<std::uint32_t>(v));
-  const std::vector<float> distances =
-      distances_to(backend_, points, last_, build_triangle_tree(backend_, last_));
-  astray_.clear();
-  for (std::size_t i = 0; i < points.size(); ++i)
-    if (distances[i] > kAstray) astray_.push_back(points[i]);
-  return astray_.empty();
+Verdict Polygonizer::judge(const CheckReport& check) {
+  if (plan_ == Plan::base) {
+    plan_ = Plan::stop;
+    return check.passed ? Verdict::take : Verdict::refuse;
+  }
+  if (!check.passed) {
+    plan_after(defects(check));
+    return Verdict::refuse;
+  }
+  const std::vector<Vec3> far = astray();
+  if (far.empty() && count_is_right(check.triangles)) return Verdict::take;
+  const bool best = !proven_ || far.size() < least_astray_;
+  proven_ = true;
+  if (best) least_astray_ = far.size();
+  if (!far.empty()) plan_after(far);
+  return best ? Verdict::keep : Verdict::refuse;
 }
 
-void Polygonizer::reject() {
-  if (method_ == Method::expanded) {
-    const std::size_t before = places_.size();
-    note_defects();
-    if (places_.size() > before && report_.attempts < kExpansions) return;
-    method_ = Method::remeshed;
-  } else {
-    method_ = method_ == Method::remeshed ? Method::base : Method::none;
+/// Places for the defects, each that no new place covers; its factor by how many old ones do.
+void Polygonizer::note(const std::vector<Vec3>& defects, std::span<const float> factors) {
+  first_fresh_ = places_.size();
+  const float radius = kPlace * rule_.edge_max;
+  const auto covers = [&](const CarefulPlace& place, const Vec3& p) {
+    return squared_norm(p - place.centre) < 0.25f * (radius * radius);
+  };
+  for (const Vec3& p : defects) {
+    const auto first_new = places_.begin() + static_cast<std::ptrdiff_t>(first_fresh_);
+    if (std::any_of(first_new, places_.end(), [&](const auto& q) { return covers(q, p); }))
+      continue;
+    const auto failures = static_cast<std::size_t>(
+        std::count_if(places_.begin(), first_new, [&](const auto& q) { return covers(q, p); }));
+    places_.push_back({p, radius, factors[std::min(failures, factors.size() - 1)]});
   }
 }
 
-bool Polygonizer::accept_count(std::int64_t triangles) {
-  if (wanted_triangles_ == 0 || method_ == Method::base) return true;
+/// The next surface, after one with defects.
+void Polygonizer::plan_after(const std::vector<Vec3>& defects) {
+  ++failures_;
+  if (plan_ != Plan::remesh) {
+    note(defects, kFactors);
+    plan_ = Plan::redo;
+    if (!defects.empty() && failures_ < kFrontAttempts) return;
+    plan_ = proven_ ? Plan::stop : Plan::remesh;
+    failures_ = 0;
+    places_.clear();
+    apply_rule(backend_, field_, base_, rule_, places_, sizes_);
+    return;
+  }
+  note(defects, kRemeshFactors);
+  if (!defects.empty() && failures_ < kRemeshAttempts) return;
+  plan_ = proven_ ? Plan::stop : Plan::base;
+}
+
+/// Whether the number of triangles is what was asked for. If not, the next surface aims again.
+bool Polygonizer::count_is_right(std::int64_t triangles) {
+  if (wanted_triangles_ == 0) return true;
   const double ratio = static_cast<double>(triangles) / wanted_triangles_;
   if (std::fabs(ratio - 1) <= kCountTolerance || ++aims_ == kAims) return true;
+  places_.clear();
+  failures_ = 0;
+  apply_rule(backend_, field_, base_, rule_, places_, sizes_);
   aim(sizes_.predicted_triangles / ratio);
+  plan_ = Plan::expand;
   return false;
 }
 
@@ -239,13 +298,13 @@ TriangleMesh Polygonizer::expanded() {
   return finish(backend_, field_.view(), sizes_.view(field_), mesh);
 }
 
-/// The last surface with the places cut out, the base surface remeshed in their middle, and the
-/// front in between.
+/// The last surface with the fresh places cut out, the base surface remeshed in their middle, and
+/// the front in between.
 TriangleMesh Polygonizer::redone() {
   scheduler_.begin("remesh", Stage::mesh);
   apply_rule(backend_, field_, base_, rule_, places_, sizes_);
-  const float margin = kMargin * rule_.edge_max;
   const std::span<const CarefulPlace> fresh = std::span(places_).subspan(first_fresh_);
+  const float margin = kMargin * rule_.edge_max;
   std::vector<std::uint8_t> within = vertices_within(backend_, base_, fresh, 0);
   const TriangleMesh part = part_of(base_, choose_triangles(backend_, base_, within));
   const std::vector<std::uint8_t> near = vertices_within(backend_, last_, fresh, margin);
@@ -289,38 +348,31 @@ TriangleMesh Polygonizer::remeshed() {
   report_.hard_share = 1;
   report_.rounds = 0;
   report_.front_triangles = report_.gaps = report_.gap_triangles = 0;
-  ProvenSurface surface = remesh_proven(backend_, field_.view(), sizes_.view(field_), base_);
-  return std::move(surface.mesh);
+  return remesh(backend_, field_.view(), sizes_.view(field_), base_, places_);
 }
 
-/// Where the last surface is open, has an edge of several triangles, meets itself or leaves the
-/// base surface.
-void Polygonizer::note_defects() {
-  std::vector<Vec3> defects = std::move(astray_);
-  astray_.clear();
-  for (const std::uint32_t v : bad_edges(last_)) defects.push_back(vertex_at(last_, v));
-  const Intersections found =
-      find_intersections(backend_, last_, build_triangle_tree(backend_, last_));
-  for (const CarefulPlace& place : places_of(last_, found.pairs, 1, 1))
-    defects.push_back(place.centre);
-  note(defects);
+/// The face centres that the last surface is too far from.
+std::vector<Vec3> Polygonizer::astray() const {
+  const std::vector<float> distances =
+      distances_to(backend_, face_centres_, last_, build_triangle_tree(backend_, last_));
+  std::vector<Vec3> found;
+  for (std::size_t i = 0; i < distances.size(); ++i)
+    if (distances[i] > farthest_) found.push_back(face_centres_[i]);
+  return found;
 }
 
-/// A place for each defect that no new one covers; its factor by how many old ones do.
-void Polygonizer::note(const std::vector<Vec3>& defects) {
-  first_fresh_ = places_.size();
-  const float radius = kPlace * rule_.edge_max;
-  const auto covers = [&](const CarefulPlace& place, const Vec3& p) {
-    return squared_norm(p - place.centre) < 0.25f * (radius * radius);
-  };
-  for (const Vec3& p : defects) {
-    const auto first_new = places_.begin() + static_cast<std::ptrdiff_t>(first_fresh_);
-    if (std::any_of(first_new, places_.end(), [&](const auto& q) { return covers(q, p); }))
-      continue;
-    const auto failures = static_cast<std::size_t>(
-        std::count_if(places_.begin(), first_new, [&](const auto& q) { return covers(q, p); }));
-    places_.push_back({p, radius, kFactors[std::min(failures, std::size(kFactors) - 1)]});
+/// Where the last surface is open, has an edge of several triangles or meets itself; where none of
+/// these explains its topology, where its curvature is not the base surface's.
+std::vector<Vec3> Polygonizer::defects(const CheckReport& check) const {
+  std::vector<Vec3> found;
+  for (const std::uint32_t v : bad_edges(last_)) found.push_back(vertex_at(last_, v));
+  if (check.intersecting_pairs > 0) {
+    const Intersections pairs =
+        find_intersections(backend_, last_, build_triangle_tree(backend_, last_));
+    for (const CarefulPlace& place : places_of(last_, pairs.pairs, 1, 1))
+      found.push_back(place.centre);
   }
+  return found.empty() ? curvature_differences(base_, last_) : found;
 }
 
 TriangleMesh Polygonizer::in_voxels(TriangleMesh mesh) const {

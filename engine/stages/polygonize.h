@@ -6,12 +6,13 @@
 /// (hard.h, remesh.h), the front grows over the rest (expand.h), the gaps that it leaves are
 /// stitched (stitch.h), and the whole is finished (finish.h).
 ///
-/// Nothing here is proven: the caller checks the surface, tells what came of it, and takes the
-/// next, safer one until one passes.
+/// Nothing here is proven: the caller checks each surface, has it judged, and takes the next until
+/// one is good.
 
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "scheduler.h"
@@ -24,6 +25,13 @@
 
 namespace vasamesh {
 
+/// What is to be done with a surface.
+enum class Verdict {
+  take,  ///< nothing better is to be had
+  keep,  ///< proven, and the best so far, but it leaves the segmentation somewhere
+  refuse,
+};
+
 class Polygonizer {
  public:
   /// \param size  padded voxels along each axis.
@@ -32,33 +40,32 @@ class Polygonizer {
   Polygonizer(Scheduler& scheduler, const Lattice& lattice, const std::array<int, 3>& size,
               const Scale& scale, TriangleMesh base, const Parameters& parameters);
 
-  /// The next surface to prove, in padded voxel units: of mesh expanding; the same with the places
-  /// that failed made again from the base surface, with shorter edges from time to time and at last
-  /// as it is there; the base surface remeshed as a whole; the base surface; then none.
+  /// The next surface to prove, in padded voxel units; none when there is no other.
+  ///
+  /// First that of mesh expanding, then the same with the places that failed made again from the
+  /// base surface, with ever shorter edges and at last as it is there. If none of these is proven,
+  /// the base surface remeshed as a whole, with the same care; at last the base surface.
   std::optional<TriangleMesh> next();
 
-  /// Whether the surface that next() gave last follows the base surface everywhere. reject() it if
-  /// not, even where its proof holds; the last attempt's is as near as can be had.
-  bool follows_base();
-
-  /// What became of the surface that next() gave last: the base surface stays where it failed.
-  void reject();
-
-  /// Whether the number of triangles is what was asked for. If not, next() aims at it once more.
-  bool accept_count(std::int64_t triangles);
+  /// Judges the surface that next() gave last by its proof, by how far it leaves the segmentation
+  /// and by its number of triangles, and plans the next.
+  Verdict judge(const CheckReport& check);
 
   const MeshReport& report() const { return report_; }
 
  private:
-  enum class Method { expanded, remeshed, base, none };
+  enum class Plan { expand, redo, remesh, base, stop };
 
   void aim(double triangles);
+  bool count_is_right(std::int64_t triangles);
   TriangleMesh expanded();
   TriangleMesh redone();
   TriangleMesh remeshed();
   TriangleMesh front_over(const TriangleMesh& patches);
-  void note_defects();
-  void note(const std::vector<Vec3>& defects);
+  std::vector<Vec3> astray() const;
+  std::vector<Vec3> defects(const CheckReport& check) const;
+  void note(const std::vector<Vec3>& defects, std::span<const float> factors);
+  void plan_after(const std::vector<Vec3>& defects);
   TriangleMesh in_voxels(TriangleMesh mesh) const;
 
   Scheduler& scheduler_;
@@ -66,15 +73,19 @@ class Polygonizer {
   Scale scale_;
   StitchMode stitch_;
   SizeRule asked_, rule_;
-  double wanted_triangles_ = 0;  ///< 0: as many as the rule gives
-  TriangleMesh base_;            ///< voxel lengths
+  double wanted_triangles_ = 0;     ///< 0: as many as the rule gives
+  TriangleMesh base_;               ///< voxel lengths
+  std::vector<Vec3> face_centres_;  ///< of the segmentation's boundary, voxel lengths
+  float farthest_ = 0;              ///< that the surface may be from them
   IndicatorField field_;
   SizeField sizes_;
-  Method method_ = Method::expanded;
+  Plan plan_ = Plan::expand;
   int aims_ = 0;
+  bool proven_ = false;  ///< some surface was
+  int failures_ = 0;     ///< of the plan
+  std::size_t least_astray_ = 0;
   std::vector<CarefulPlace> places_;  ///< where attempts have failed
   std::size_t first_fresh_ = 0;       ///< of the places: those of the last attempt follow
-  std::vector<Vec3> astray_;          ///< where the last surface leaves the base surface
   TriangleMesh last_;                 ///< voxel lengths
   MeshReport report_;
 };
