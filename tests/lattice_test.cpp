@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <random>
 
 #include "reference/lattice_reference.h"
@@ -298,40 +297,6 @@ TEST_F(CellLattice, ClampGivesEachWrongValueItsLabelsSign) {
     const bool inside = lattice.state.view()[i] & kLabel;
     ASSERT_EQ(lattice.values.view()[i], wrong[i] ? (inside ? 0.125f : -0.125f) : before[i]) << i;
   }
-}
-
-TEST_F(CellLattice, WidenGivesThreadsAShareOfTheValuesBesideThem) {
-  RandomLattice random(*backend_, 31);
-  Lattice& lattice = random.lattice;
-  backend_->lattice_clamp(lattice.bricks.view(), 0.125f, lattice.state.view(),
-                          lattice.values.view());
-  std::map<std::array<int, 3>, std::size_t> node_of;
-  visit_nodes(lattice.bricks.view(), [&](std::size_t node, int x, int y, int z) {
-    node_of[{x, y, z}] = node;
-  });
-  std::vector<float> wanted = to_host(*backend_, lattice.values.view());
-  std::size_t widened = 0;
-  for (const bool inside : {true, false}) {
-    const std::vector<float> before = wanted;
-    for (const auto& [place, node] : node_of) {
-      if (((lattice.state.view()[node] & kLabel) != 0) != inside) continue;
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        std::array<int, 3> below = place, above = place;
-        --below[axis];
-        ++above[axis];
-        if (!node_of.contains(below) || !node_of.contains(above)) continue;
-        const float a = before[node_of[below]], b = before[node_of[above]];
-        if ((a > 0) == inside || (b > 0) == inside) continue;
-        const float least = 0.5f * std::max(std::abs(a), std::abs(b));
-        if (least <= std::abs(wanted[node])) continue;
-        wanted[node] = inside ? least : -least;
-        ++widened;
-      }
-    }
-  }
-  EXPECT_GT(widened, 1000u);
-  backend_->lattice_widen(lattice.bricks.view(), 0.5f, lattice.state.view(), lattice.values.view());
-  EXPECT_EQ(to_host(*backend_, lattice.values.view()), wanted);
 }
 
 TEST_F(CellLattice, BlendChangesNothingBeyondItsRadius) {

@@ -256,12 +256,6 @@ class Backend : public Memory {
   virtual std::uint32_t lattice_clamp(const BrickView& bricks, float least,
                                       View<const std::uint8_t> state, View<float> values) = 0;
 
-  /// Widens what is one node wide: each inside node whose two neighbours along an axis are outside
-  /// gets at least `share` of the larger |value| of theirs; then outside nodes between inside ones
-  /// likewise.
-  virtual void lattice_widen(const BrickView& bricks, float share, View<const std::uint8_t> state,
-                             View<float> values) = 0;
-
   // --- Base surface (engine/stages/surface.h). ---------------------------------------------------
 
   /// Marching tetrahedra of the Freudenthal cut: which of its seven edges (to the node at each of

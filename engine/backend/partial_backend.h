@@ -128,9 +128,6 @@ class PartialBackend : public Backend {
                               View<float>) override {
     missing("lattice_clamp");
   }
-  void lattice_widen(const BrickView&, float, View<const std::uint8_t>, View<float>) override {
-    missing("lattice_widen");
-  }
   void surface_count(const BrickView&, View<const std::uint8_t>, View<std::uint8_t>,
                      View<std::uint16_t>, View<std::uint32_t>, View<std::uint32_t>) override {
     missing("surface_count");

@@ -32,10 +32,6 @@ constexpr std::array<Repair, 8> kRepairs = {{{2, 0.5f, true},
 /// What a node gets whose value's sign is not its label at the end.
 constexpr float kLeastValue = 0.02f;
 
-/// What a thread or a sheet of one node's width gets of the values beside it: it is then at least
-/// a fifth of a voxel wide. (At one half, threads beside the solid go beyond the distance limit.)
-constexpr float kThreadShare = 0.25f;
-
 /// The nodes to flip, by colour.
 struct Pending {
   std::array<std::vector<std::uint32_t>, 8> nodes;
@@ -199,8 +195,6 @@ RelabelReport relabel(Scheduler& scheduler, const Scale& scale, Lattice& lattice
   }
   report.clamped = backend.lattice_clamp(lattice.bricks.view(), kLeastValue, lattice.state.view(),
                                          lattice.values.view());
-  backend.lattice_widen(lattice.bricks.view(), kThreadShare, lattice.state.view(),
-                        lattice.values.view());
   return report;
 }
 

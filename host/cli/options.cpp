@@ -80,7 +80,7 @@ void add_threads(CLI::App* app, int& threads) {
 void add_edge_lengths(CLI::App* app, Parameters& p) {
   app->add_option_function<std::string>(
          "--preset", [&p](const std::string& name) { set_preset(name, p); },
-         "Edge lengths and stitching by a name; options beside it win")
+         "Edge lengths and stitching of the adaptive surface by a name; options beside it win")
       ->check(CLI::IsMember({"paper", "default", "simulator"}))
       ->trigger_on_parse()
       ->default_str("default");
@@ -106,7 +106,7 @@ void add_edge_lengths(CLI::App* app, Parameters& p) {
                          "How gaps are triangulated", "exact");
   add_choice<SurfaceKind>(
       app, "--surface", {{"adaptive", SurfaceKind::adaptive}, {"base", SurfaceKind::base}},
-      p.surface, "Triangles that follow the curvature, or the fine lattice's", "adaptive");
+      p.surface, "The fine lattice's triangles, or such as follow the curvature", "base");
 }
 
 void add_parameters(CLI::App* app, Parameters& p, std::int64_t& read_memory) {

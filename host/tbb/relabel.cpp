@@ -192,29 +192,4 @@ std::uint32_t TbbBackend::lattice_clamp(const BrickView& bricks, float least,
   return total;
 }
 
-void TbbBackend::lattice_widen(const BrickView& bricks, float share, View<const std::uint8_t> state,
-                               View<float> values) {
-  constexpr int kAxes[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-  for (const unsigned label : {unsigned{kLabel}, 0u})
-    for_each(bricks.count, kGrain, [=](std::size_t brick) {
-      const std::int32_t* near = bricks.neighbours.data() + 27 * brick;
-      for (int cell = 0; cell < kBrickCells; ++cell) {
-        const std::size_t node = kBrickCells * brick + cell;
-        if ((state[node] & kLabel) != label) continue;
-        const int x = cell & 7, y = cell >> 3 & 7, z = cell >> 6;
-        float least = 0;
-        for (const auto& [i, j, k] : kAxes) {
-          const std::size_t below = node_at(near, x - i, y - j, z - k);
-          const std::size_t above = node_at(near, x + i, y + j, z + k);
-          if (below == kNoNode || above == kNoNode) continue;
-          if ((state[below] & kLabel) == label || (state[above] & kLabel) == label) continue;
-          least = std::max(
-              {least, share * std::fabs(values[below]), share * std::fabs(values[above])});
-        }
-        if (least <= std::fabs(values[node])) continue;
-        values[node] = label ? least : -least;
-      }
-    });
-}
-
 }  // namespace vasamesh

@@ -115,8 +115,6 @@ class TbbBackend final : public Backend {
                      View<float> values) override;
   std::uint32_t lattice_clamp(const BrickView& bricks, float least, View<const std::uint8_t> state,
                               View<float> values) override;
-  void lattice_widen(const BrickView& bricks, float share, View<const std::uint8_t> state,
-                     View<float> values) override;
   void surface_count(const BrickView& bricks, View<const std::uint8_t> state,
                      View<std::uint8_t> crossed, View<std::uint16_t> node_start,
                      View<std::uint32_t> vertices, View<std::uint32_t> triangles) override;
