@@ -10,7 +10,10 @@
 #include <functional>
 #include <numbers>
 #include <string>
+#include <string_view>
+#include <utility>
 
+#include "backend/backend.h"
 #include "io/marching_cubes.h"
 #include "support/cases.h"
 #include "support/dense_volume.h"
@@ -162,6 +165,50 @@ TEST(Adaptive, AsManyTrianglesAsAskedFor) {
     expect_proven(result, phantom.view());
     EXPECT_NEAR(static_cast<double>(result.mesh.triangle_count()), share * usual,
                 0.1 * share * usual);
+  }
+}
+
+TEST(Adaptive, NoiseIsProvenAtAllDensities) {
+  unsigned seed = 0;
+  for (const double density : {0.05, 0.5, 0.9}) {
+    SCOPED_TRACE(density);
+    const DenseVolume volume = random_volume({8, 7, 9}, density, ++seed);
+    expect_proven(convert_adaptively(volume.view()), volume.view());
+  }
+}
+
+TEST(Adaptive, PresetsAreProvenAndOfTheirSizes) {
+  const Phantom phantom = make_phantom("y_branch");
+  const auto count_of = [&](const char* preset) {
+    SCOPED_TRACE(preset);
+    Parameters parameters;
+    set_preset(preset, parameters);
+    const Result result = convert_adaptively(phantom.view(), parameters.edges);
+    expect_proven(result, phantom.view());
+    return result.mesh.triangle_count();
+  };
+  const std::size_t paper = count_of("paper"), usual = count_of("default"),
+                    simulator = count_of("simulator");
+  EXPECT_LT(usual, 0.6 * static_cast<double>(paper));
+  EXPECT_LT(simulator, 0.8 * static_cast<double>(usual));
+}
+
+TEST(Adaptive, CancelledInEachOfItsStages) {
+  const Phantom phantom = tree_cases(2).back().make();
+  Parameters parameters;
+  parameters.surface = SurfaceKind::adaptive;
+  for (const char* stage : {"sizes", "remesh", "expand", "stitch", "finish", "check"}) {
+    SCOPED_TRACE(stage);
+    Context stopping = make_threads(2);
+    stopping.progress = [&](std::string_view phase, double) { return phase != stage; };
+    try {
+      convert(phantom.view(), parameters, stopping);
+      ADD_FAILURE() << "not cancelled";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::cancelled);
+      EXPECT_NE(std::string(error.what()).find(stage), std::string::npos) << error.what();
+    }
+    EXPECT_EQ(stopping.backends.back()->bytes_held(), 0u);
   }
 }
 
