@@ -30,14 +30,17 @@ Context make_threads(int threads) {
   return make_context({.backend = "tbb", .device = "", .threads = threads});
 }
 
-Result convert_adaptively(const VolumeView& volume, const EdgeLengths& edges = {},
-                          int threads = 2) {
+Result convert_adaptively(const VolumeView& volume, Parameters parameters, int threads = 2) {
   Context context = make_threads(threads);
-  Parameters parameters;
   parameters.surface = SurfaceKind::adaptive;
   parameters.space = Space::voxel;
-  parameters.edges = edges;
   return convert(volume, parameters, context);
+}
+
+Result convert_adaptively(const VolumeView& volume, const EdgeLengths& edges = EdgeLengths()) {
+  Parameters parameters;
+  parameters.edges = edges;
+  return convert_adaptively(volume, parameters);
 }
 
 void expect_proven(const Result& result, const VolumeView& volume) {
@@ -94,10 +97,10 @@ TEST(Adaptive, SameBytesAtAnyNumberOfThreads) {
   // Four workers even where there are fewer cores.
   const tbb::global_control four(tbb::global_control::max_allowed_parallelism, 4);
   const Phantom phantom = tree_cases(3).back().make();
-  const Result first = convert_adaptively(phantom.view(), {}, 1);
+  const Result first = convert_adaptively(phantom.view(), Parameters(), 1);
   ASSERT_GT(first.mesh.triangle_count(), 1000u);
   for (const int threads : {2, 4, 4}) {
-    const Result again = convert_adaptively(phantom.view(), {}, threads);
+    const Result again = convert_adaptively(phantom.view(), Parameters(), threads);
     ASSERT_EQ(again.mesh.vertices, first.mesh.vertices) << threads;
     ASSERT_EQ(again.mesh.triangles, first.mesh.triangles) << threads;
   }
@@ -183,7 +186,7 @@ TEST(Adaptive, PresetsAreProvenAndOfTheirSizes) {
     SCOPED_TRACE(preset);
     Parameters parameters;
     set_preset(preset, parameters);
-    const Result result = convert_adaptively(phantom.view(), parameters.edges);
+    const Result result = convert_adaptively(phantom.view(), parameters);
     expect_proven(result, phantom.view());
     return result.mesh.triangle_count();
   };
