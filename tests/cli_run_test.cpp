@@ -117,6 +117,55 @@ TEST_F(Convert, ReportNamesStagesAndTopology) {
   for (const json& stage : stages) EXPECT_GE(stage["seconds"], 0.0);
 }
 
+TEST_F(Convert, AnAdaptiveSurfaceSaysHowItWasMade) {
+  const std::string out =
+      run({"convert", volume_, "-o", folder_ / "torus.ply", "--surface", "adaptive"});
+  EXPECT_THAT(out, HasSubstr("as the segmentation"));
+  EXPECT_THAT(out, HasSubstr("\nMesh      "));
+  EXPECT_THAT(out, HasSubstr("by the front"));
+  run({"check", folder_ / "torus.ply", "--against", volume_});
+  EXPECT_THAT(run({"convert", volume_, "-o", folder_ / "torus.ply"}), Not(HasSubstr("\nMesh")));
+}
+
+TEST_F(Convert, OptionsBesideAPresetWin) {
+  const Arguments preset = {"--preset", "simulator"}, rho = {"--rho", "0.5"};
+  for (const bool preset_first : {true, false}) {
+    Arguments arguments = {
+        "convert", volume_, "-o", folder_ / "torus.vtp", "--report", folder_ / "torus.json"};
+    for (const Arguments& part : {preset_first ? preset : rho, preset_first ? rho : preset})
+      arguments.insert(arguments.end(), part.begin(), part.end());
+    run(arguments);
+    const json parameters = json::parse(read_text(folder_ / "torus.json"))["parameters"];
+    EXPECT_EQ(parameters["rho"], 0.5);
+    EXPECT_EQ(parameters["edge_max"], 3.0);
+    EXPECT_EQ(parameters["surface"], "base");
+  }
+}
+
+/// A block of 10 x 10 x 10 voxels without one in its middle.
+std::string block_with_a_cavity() {
+  constexpr int kSide = 12;
+  std::string voxels(kSide * kSide * kSide, '\0');
+  for (int z = 1; z < kSide - 1; ++z)
+    for (int y = 1; y < kSide - 1; ++y)
+      for (int x = 1; x < kSide - 1; ++x)
+        voxels[static_cast<std::size_t>(x + kSide * (y + kSide * z))] = 1;
+  voxels[6 + kSide * (6 + kSide * 6)] = 0;
+  return "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 12 12 12\nspacings: 1 1 1\n"
+         "encoding: raw\n\n" +
+         voxels;
+}
+
+TEST(Closing, TheProofSaysWhatWasClosed) {
+  const Scratch folder;
+  write_text(folder / "block.nrrd", block_with_a_cavity());
+  Arguments arguments = {"convert", folder / "block.nrrd", "-o", folder / "block.ply"};
+  EXPECT_THAT(run(arguments), HasSubstr("1 cavity, as the segmentation;"));
+  arguments.push_back("--close-handles");
+  EXPECT_THAT(run(arguments),
+              HasSubstr("0 cavities, as the segmentation but for 1 cavity closed;"));
+}
+
 TEST_F(Convert, TheSameBytesWithAnyNumberOfThreads) {
   std::vector<std::string> surfaces;
   for (const char* threads : {"1", "2", "4"}) {

@@ -100,6 +100,29 @@ TEST(Distance, NearestPointAsSearchedPlainly) {
   }
 }
 
+TEST(Distance, OfPointsAsSearchedPlainlyInAnyOrder) {
+  const TriangleMesh coarse = torus(5, 2, 7, 5);
+  std::vector<Vec3> points = {{coarse.vertices[0], coarse.vertices[1], coarse.vertices[2]}};
+  for (int i = 0; i < 30; ++i) {
+    const auto x = static_cast<float>(i);
+    points.push_back({9 * std::sin(1.7f * x), 8 * std::cos(2.3f * x), 4 * std::sin(0.9f * x + 1)});
+  }
+  const auto distances = [&](int threads) {
+    const auto backend = make_tbb_backend(threads, nullptr);
+    return distances_to(*backend, points, coarse, build_triangle_tree(*backend, coarse));
+  };
+  std::vector<float> forth = distances(2);
+  ASSERT_EQ(forth.size(), points.size());
+  EXPECT_EQ(forth, distances(1));
+  EXPECT_LT(forth[0], 1e-5);
+  for (std::size_t i = 0; i < points.size(); ++i)
+    EXPECT_NEAR(forth[i], plain_distance(&points[i].x, coarse), 0.02) << i;
+  std::reverse(points.begin(), points.end());
+  std::reverse(forth.begin(), forth.end());
+  const std::vector<float> back = distances(2);
+  for (std::size_t i = 0; i < points.size(); ++i) EXPECT_NEAR(back[i], forth[i], 1e-5) << i;
+}
+
 TEST(Distance, StepIsInVoxelsAndLengthsInMillimetres) {
   const DistanceReport d = measure(sphere(5, 3), sphere(4, 3), 0.5);
   EXPECT_EQ(d.voxel, 0.5);

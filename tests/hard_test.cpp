@@ -5,10 +5,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <random>
 
 #include "stages/verify.h"
 #include "support/analytic_lattice.h"
+#include "support/shapes.h"
 #include "tbb/backend.h"
 
 namespace vasamesh::test {
@@ -86,6 +89,49 @@ TEST(Hard, RegionsAreSurfacesWithBordersAtAnyNumberOfThreads) {
     EXPECT_GT(report.open_edges, 100);
     EXPECT_EQ(report.nonmanifold_vertices, 0);
   }
+}
+
+std::size_t count(const std::vector<std::uint8_t>& bytes) {
+  return static_cast<std::size_t>(
+      std::count_if(bytes.begin(), bytes.end(), [](auto byte) { return byte != 0; }));
+}
+
+TEST(Chosen, TheTrianglesAtAFlaggedVertexAlone) {
+  const TriangleMesh mesh = torus(9, 3, 24, 12);
+  std::vector<std::uint8_t> none(mesh.vertex_count());
+  EXPECT_EQ(count(choose_triangles(backend(), mesh, none)), 0u);
+  std::vector<std::uint8_t> flagged(mesh.vertex_count());
+  flagged[40] = 1;
+  const std::vector<std::uint8_t> chosen = choose_triangles(backend(), mesh, flagged);
+  EXPECT_EQ(count(chosen), 6u);
+  EXPECT_EQ(count(flagged), 1u);
+  for (std::size_t t = 0; t < chosen.size(); ++t) {
+    const auto* corners = &mesh.triangles[3 * t];
+    EXPECT_EQ(chosen[t], std::find(corners, corners + 3, 40u) != corners + 3) << t;
+  }
+}
+
+TEST(Chosen, MoreUntilEachVertexHasOneFan) {
+  const TriangleMesh mesh = torus(9, 3, 40, 24);
+  std::mt19937 random(11);
+  bool more = false;
+  for (const unsigned one_in : {3u, 6u, 12u}) {
+    std::vector<std::uint8_t> given(mesh.vertex_count());
+    for (std::uint8_t& flag : given) flag = random() % one_in == 0;
+    std::vector<std::uint8_t> flagged = given;
+    const std::vector<std::uint8_t> chosen = choose_triangles(backend(), mesh, flagged);
+    TriangleMesh region;
+    region.vertices = mesh.vertices;
+    for (std::size_t t = 0; t < chosen.size(); ++t) {
+      const auto* v = &mesh.triangles[3 * t];
+      EXPECT_EQ(chosen[t], flagged[v[0]] || flagged[v[1]] || flagged[v[2]]) << t;
+      if (chosen[t]) region.triangles.insert(region.triangles.end(), v, v + 3);
+    }
+    for (std::size_t v = 0; v < given.size(); ++v) EXPECT_TRUE(flagged[v] || !given[v]) << v;
+    EXPECT_EQ(check_surface(backend(), region, nullptr).nonmanifold_vertices, 0);
+    more |= count(flagged) > count(given);
+  }
+  EXPECT_TRUE(more);
 }
 
 }  // namespace

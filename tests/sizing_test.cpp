@@ -133,6 +133,62 @@ TEST(Sizing, PredictsTheTrianglesOfASphere) {
   }
 }
 
+/// The sizes of the cells whose sample lies in a ball, in ascending order.
+std::vector<float> sizes_within(const SizeField& sizes, const Vec3& centre, float radius) {
+  std::vector<float> found;
+  for (std::size_t i = 0; i < sizes.samples.count(); ++i)
+    if (norm(sizes.samples.position[i] - centre) < radius)
+      found.push_back(sizes.sizes.view()[sizes.samples.cell[i]]);
+  std::sort(found.begin(), found.end());
+  EXPECT_GT(found.size(), 5u);
+  return found;
+}
+
+TEST(Sizing, ByTheHeightOfAnEdgesArc) {
+  const AnalyticScene scene(backend(), {24, 24, 24}, ball({12, 12, 12}, 6));
+  for (const float height : {0.02f, 0.05f}) {
+    const SizeField sizes =
+        make_sizes(backend(), scene.field, scene.surface,
+                   {.rho = 0.01f, .chord_error = height, .edge_min = 0.1f, .edge_max = 10});
+    const float want = std::sqrt(8 * height * 6);
+    const std::vector<float> found = sizes_within(sizes, {12, 12, 12}, 8);
+    EXPECT_NEAR(found[found.size() / 2], want, 0.05f * want);
+  }
+}
+
+TEST(Sizing, AnotherRuleFromTheSameRadii) {
+  const AnalyticScene scene(backend(), {40, 40, 40}, random_tree(3, 4, 40));
+  const SizeRule rule = {.rho = 0.4f, .edge_min = 0.6f, .edge_max = 2.5f};
+  const SizeField made = make_sizes(backend(), scene.field, scene.surface, rule);
+  SizeField changed = make_sizes(backend(), scene.field, scene.surface, {});
+  EXPECT_NE(changed.predicted_triangles, made.predicted_triangles);
+  apply_rule(backend(), scene.field, scene.surface, rule, {}, changed);
+  EXPECT_EQ(changed.predicted_triangles, made.predicted_triangles);
+  for (std::size_t i = 0; i < made.sizes.size(); ++i)
+    ASSERT_EQ(changed.sizes.view()[i], made.sizes.view()[i]) << i;
+}
+
+TEST(Sizing, ShorterInPlacesByTheLeastFactorButNotUnderTheLimit) {
+  const AnalyticScene scene(backend(), {40, 24, 24}, capsule({8, 12, 12}, {32, 12, 12}, 7));
+  SizeField sizes = make_sizes(backend(), scene.field, scene.surface, {});
+  const double whole = sizes.predicted_triangles;
+  const Vec3 in_two{14, 19, 12}, in_zero{20, 5, 12}, beyond{32, 19, 12};
+  const auto expect_size = [&](const Vec3& centre, float want) {
+    for (const float size : sizes_within(sizes, centre, 2)) EXPECT_FLOAT_EQ(size, want);
+  };
+  const float most = SizeRule{}.edge_max;
+  for (const Vec3& centre : {in_two, in_zero, beyond}) expect_size(centre, most);
+  const CarefulPlace places[] = {{in_two, 2, 0.7f}, {in_two, 2, 0.5f}, {in_zero, 2, 0}};
+  apply_rule(backend(), scene.field, scene.surface, {}, places, sizes);
+  expect_size(in_two, 0.5f * most);
+  expect_size(in_zero, 0.4f * most);
+  expect_size(beyond, most);
+  EXPECT_GT(sizes.predicted_triangles, whole);
+  apply_rule(backend(), scene.field, scene.surface, {}, {}, sizes);
+  expect_size(in_two, most);
+  EXPECT_EQ(sizes.predicted_triangles, whole);
+}
+
 TEST(Sizing, SameForAnyNumberOfThreads) {
   const AnalyticScene scene(backend(), {40, 40, 40}, random_tree(3, 4, 40));
   const SizeField one = make_sizes(backend(1), scene.field, scene.surface, {});

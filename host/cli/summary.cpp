@@ -49,6 +49,31 @@ void print_findings(const InputFindings& findings) {
   }
 }
 
+/// What was closed on demand, so that the surface is without it.
+std::string describe_closed(const RelabelReport& relabel) {
+  std::string closed;
+  if (relabel.handles_closed > 0) closed = plural(relabel.handles_closed, "handle", "handles");
+  if (relabel.cavities_closed > 0)
+    closed +=
+        (closed.empty() ? "" : " and ") + plural(relabel.cavities_closed, "cavity", "cavities");
+  return closed.empty() ? closed : " but for " + closed + " closed";
+}
+
+/// How the triangles of an adaptive surface came about.
+void print_mesh(const MeshReport& mesh) {
+  fmt::print("{:<10}", "Mesh");
+  if (mesh.base_share > 0) {
+    fmt::print("the base surface's, since no adaptive one was proven");
+  } else if (mesh.front_triangles == 0) {
+    fmt::print("the base surface remeshed");
+  } else {
+    fmt::print("{} triangles by the front, {} in {}; {:.1f} % of the area remeshed",
+               mesh.front_triangles, mesh.gap_triangles, plural(mesh.gaps, "gap", "gaps"),
+               100 * mesh.hard_share);
+  }
+  fmt::print("; {}\n", plural(mesh.attempts, "attempt", "attempts"));
+}
+
 void print_times(const std::vector<StageReport>& stages) {
   double total = 0;
   std::string parts;
@@ -86,8 +111,9 @@ void print_conversion(const std::string& input, const std::string& output, const
   fmt::print("{:<10}{}: {} triangles, {} vertices, {}, mm\n", "Surface", output,
              report.check.triangles, report.check.vertices,
              upper(space_name(report.parameters.space)));
-  fmt::print("{:<10}{}, as the segmentation; closed, manifold, outward, no self-intersection\n",
-             "Proof", describe(report.check.topology));
+  fmt::print("{:<10}{}, as the segmentation{}; closed, manifold, outward, no self-intersection\n",
+             "Proof", describe(report.check.topology), describe_closed(report.relabel));
+  if (report.parameters.surface == SurfaceKind::adaptive) print_mesh(report.mesh);
   fmt::print("{:<10}edge ratio {:.2f}, least angle {:.0f} degrees on average\n", "Quality",
              report.quality.edge_ratio.mean, report.quality.least_angle.mean);
   print_times(report.stages);
