@@ -61,6 +61,7 @@ class Polygonizer {
   TriangleMesh expanded();
   TriangleMesh redone();
   TriangleMesh remeshed();
+  TriangleMesh approached(TriangleMesh mesh);
   TriangleMesh front_over(const TriangleMesh& patches);
   std::vector<Vec3> astray() const;
   std::vector<Vec3> defects(const CheckReport& check) const;
