@@ -71,6 +71,22 @@ TEST_F(ApproachTest, ATipIsDrawnOut) {
   expect_good_surface(mesh, Topology{1, 0, 0});
 }
 
+TEST_F(ApproachTest, StrayVerticesComeBack) {
+  const TriangleTree tree = build_triangle_tree(*backend_, mesh_);
+  TriangleMesh pulled = mesh_;
+  for (int i = 0; i < 3; ++i) pulled.vertices[i] += 1.2f * (mesh_.vertices[i] < 8 ? -0.5f : 0.5f);
+  const std::vector<Vec3> first = {{pulled.vertices[0], pulled.vertices[1], pulled.vertices[2]}};
+  ASSERT_GT(farthest_from(mesh_, first), 0.4f);
+  const TriangleMesh mesh = bring_back(*backend_, scene_.field.view(), sizes_.view(scene_.field),
+                                       mesh_, tree, 0.2f, pulled);
+  EXPECT_EQ(mesh.triangle_count(), mesh_.triangle_count());
+  std::vector<Vec3> all;
+  for (std::size_t i = 0; i < mesh.vertices.size(); i += 3)
+    all.push_back({mesh.vertices[i], mesh.vertices[i + 1], mesh.vertices[i + 2]});
+  EXPECT_LE(farthest_from(mesh_, all), 0.2f);
+  expect_good_surface(mesh, Topology{1, 0, 0});
+}
+
 TEST_F(ApproachTest, TheSameBytesOnAnyNumberOfThreads) {
   const float farthest = 0.6f * farthest_from(mesh_, points_);
   const TriangleMesh one = near(points_, farthest, *make_tbb_backend(1, nullptr));

@@ -11,14 +11,13 @@
 #include "stages/patch_clearance.h"
 #include "stages/patch_passes.h"
 #include "stages/patch_rules.h"
-#include "stages/triangle_tree.h"
 
 namespace vasamesh {
 
 namespace {
 
 constexpr float kBlock = 32;  // voxel lengths
-constexpr int kRounds = 6;
+constexpr int kRounds = 6, kReturns = 3;
 constexpr float kAim = 0.93f;  // of the farthest distance: where a move is to end
 constexpr float kLongestMove = 0.5f, kReach = 0.4f;  // voxel lengths: of a vertex, of a projection
 constexpr float kAtVertex = 0.65f;   // weight from which the nearest point counts as a vertex
@@ -78,6 +77,12 @@ class Approach {
   Approach(PatchMesh& mesh, const RemeshGoal& goal, float farthest)
       : mesh_(mesh), goal_(goal), farthest_(farthest), clearance_(mesh) {}
 
+  /// One step of the part's vertex at `from`, if it has it, towards a point.
+  void draw_vertex(const Vec3& from, const Vec3& to) {
+    for (std::uint32_t v = 0; v < mesh_.vertex_count(); ++v)
+      if (mesh_.points[v].position == from && mesh_.is_there(v)) move(v, to, 0);
+  }
+
   /// One step towards a point, if the part has the triangle that is nearest to it.
   void draw_to(const FarPoint& point) {
     const Vec3& p = point.position;
@@ -92,10 +97,10 @@ class Approach {
                                                  mesh_.origin(first + order[1]),
                                                  mesh_.origin(first + order[2])};
     const std::uint32_t edge = PatchMesh::next(first + order[2]);
-    if (foot.weight[order[0]] >= kAtVertex && move(corner[0], p)) return;
+    if (foot.weight[order[0]] >= kAtVertex && move(corner[0], p, kAim * farthest_)) return;
     if (split(edge, p)) return;
     for (const std::uint32_t v : corner)
-      if (move(v, p)) return;
+      if (move(v, p, kAim * farthest_)) return;
     for (std::uint32_t h = first; h < first + 3; ++h)
       if (h != edge && split(h, p)) return;
   }
@@ -103,12 +108,12 @@ class Approach {
  private:
   Foot nearest(const Vec3& p, float reach) const;
   bool split(std::uint32_t h, const Vec3& p);
-  bool move(std::uint32_t v, const Vec3& p);
+  bool move(std::uint32_t v, const Vec3& p, float rest);
 
-  /// A place on the way from `from` to p.
-  Vec3 towards(const Vec3& from, const Vec3& p, float part) const {
+  /// A part of the way from `from` to where `rest` is left to p.
+  static Vec3 towards(const Vec3& from, const Vec3& p, float rest, float part) {
     const float apart = norm(p - from);
-    const float step = std::clamp(apart - kAim * farthest_, 0.0f, kLongestMove);
+    const float step = std::clamp(apart - rest, 0.0f, kLongestMove);
     return apart > 0 ? from + (part * step / apart) * (p - from) : from;
   }
 
@@ -149,7 +154,7 @@ bool Approach::split(std::uint32_t h, const Vec3& p) {
   SurfacePoint place = middle;
   put_onto_surface(goal_, kReach, place);
   if (squared_norm(p - place.position) > farthest_ * farthest_)
-    place.position = towards(place.position, p, 1);
+    place.position = towards(place.position, p, kAim * farthest_, 1);
   for (const std::uint32_t g : {h, t}) {
     const SurfacePoint& from = mesh_.points[mesh_.origin(g)];
     const SurfacePoint& to = mesh_.points[mesh_.target(g)];
@@ -163,14 +168,15 @@ bool Approach::split(std::uint32_t h, const Vec3& p) {
   return clearance_.move_if_clear(mesh_, m, place);
 }
 
-/// Moves v towards p; at a spur's tip, where no normal is of use, whatever its triangles face.
-bool Approach::move(std::uint32_t v, const Vec3& p) {
+/// Moves v towards p, up to `rest` from it; at a spur's tip, where no normal is of use, whatever
+/// its triangles face.
+bool Approach::move(std::uint32_t v, const Vec3& p, float rest) {
   if (!mesh_.is_inner(v)) return false;
   const SurfacePoint old = mesh_.points[v];
   for (const float least_facing : {kLeastFacingInRepair, -1.0f})
     for (const float part : {1.0f, 0.5f}) {
       SurfacePoint moved = old;
-      moved.position = towards(old.position, p, part);
+      moved.position = towards(old.position, p, rest, part);
       moved.on_field = false;
       bool good = true;
       mesh_.for_each_out(v, [&](std::uint32_t h) {
@@ -236,6 +242,63 @@ TriangleMesh approach(Backend& backend, const FieldView& field, const SizeView& 
     far = far_points(backend, left, farthest, mesh);
   }
   return mesh;
+}
+
+namespace {
+
+/// A vertex, and where it belongs.
+struct StrayVertex {
+  Vec3 from, to;
+};
+
+std::vector<StrayVertex> stray_vertices(Backend& backend, const TriangleMesh& origin,
+                                        const TriangleTree& tree, float farthest,
+                                        const WorkingSurface& surface) {
+  std::vector<Vec3> places;
+  for (const SurfacePoint& point : surface.points) places.push_back(point.position);
+  const NearestTriangles nearest = nearest_triangles(backend, places, origin, tree);
+  std::vector<StrayVertex> strays;
+  for (std::size_t v = 0; v < places.size(); ++v) {
+    if (!(nearest.distances[v] > farthest)) continue;
+    std::array<Vec3, 3> corner;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const float* p =
+          &origin.vertices[3 * std::size_t{origin.triangles[3 * nearest.triangles[v] + i]}];
+      corner[i] = {p[0], p[1], p[2]};
+    }
+    const Foot foot = foot_on(places[v], corner);
+    strays.push_back({places[v], foot.weight[0] * corner[0] + foot.weight[1] * corner[1] +
+                                     foot.weight[2] * corner[2]});
+  }
+  return strays;
+}
+
+}  // namespace
+
+TriangleMesh bring_back(Backend& backend, const FieldView& field, const SizeView& sizes,
+                        const TriangleMesh& origin, const TriangleTree& tree, float farthest,
+                        TriangleMesh mesh) {
+  if (mesh.triangles.empty()) return mesh;
+  const RemeshGoal goal = {field, sizes, {}, false};
+  WorkingSurface surface = make_working_surface(backend, goal, mesh);
+  for (int round = 0; round < kReturns; ++round) {
+    const std::vector<StrayVertex> strays =
+        stray_vertices(backend, origin, tree, farthest, surface);
+    if (strays.empty()) break;
+    for_each_block(
+        backend, {kBlock, 0.3f * static_cast<float>(round)}, surface, [&](PatchMesh& part) {
+          const bool any =
+              std::any_of(part.points.begin(), part.points.end(), [&](const SurfacePoint& point) {
+                return std::any_of(strays.begin(), strays.end(), [&](const StrayVertex& stray) {
+                  return stray.from == point.position;
+                });
+              });
+          if (!any) return;
+          Approach work(part, goal, farthest);
+          for (const StrayVertex& stray : strays) work.draw_vertex(stray.from, stray.to);
+        });
+  }
+  return make_mesh(surface);
 }
 
 }  // namespace vasamesh

@@ -9,6 +9,7 @@
 #include <span>
 
 #include "backend/backend.h"
+#include "stages/triangle_tree.h"
 #include "types/indicator_field.h"
 #include "types/sizes.h"
 #include "types/vec3.h"
@@ -22,5 +23,12 @@ namespace vasamesh {
 /// \return the mesh itself where no point is farther; some may stay so.
 TriangleMesh approach(Backend& backend, const FieldView& field, const SizeView& sizes,
                       std::span<const Vec3> points, float farthest, TriangleMesh mesh);
+
+/// Brings back, under the same rules, vertices that have gone astray from another surface.
+/// \param origin  not empty; `tree` is that of its triangles.
+/// \param farthest  distance from it that a vertex may keep, above zero.
+TriangleMesh bring_back(Backend& backend, const FieldView& field, const SizeView& sizes,
+                        const TriangleMesh& origin, const TriangleTree& tree, float farthest,
+                        TriangleMesh mesh);
 
 }  // namespace vasamesh

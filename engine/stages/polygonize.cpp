@@ -32,6 +32,7 @@ constexpr float kRemeshFactors[] = {0.5f, 0};
 constexpr float kFactors[] = {0.7f, 0.5f, 0.35f, 0};  // of the edges in a place, failure by failure
 constexpr float kPlace = 2.5f, kMargin = 1.2f;  // edge_max: a place's radius, the front's room
 constexpr float kFarShare = 0.9f;    // of the distance limit: how far from face centres is too far
+constexpr float kStray = 0.4f;       // voxel lengths: of a vertex from the base surface, at most
 constexpr float kNearShare = 0.82f;  // the same: how near the surface is brought to them
 constexpr float kLeastEdge = 0.05f, kLongestEdge = 100;  // voxel lengths
 constexpr std::uint32_t kNoVertex = 0xffffffffu;
@@ -172,6 +173,7 @@ Polygonizer::Polygonizer(Scheduler& scheduler, const Lattice& lattice,
   for (std::size_t i = 0; i < base_.vertices.size(); ++i) base_.vertices[i] *= scale_[i % 3];
   if (plan_ == Plan::base) return;
   scheduler_.begin("sizes", Stage::mesh);
+  base_tree_ = build_triangle_tree(backend_, base_);
   face_centres_ = find_face_centres(lattice, scale);
   field_ = make_field(backend_, lattice, size, scale);
   sizes_ = make_sizes(backend_, field_, base_, rule_);
@@ -353,10 +355,14 @@ TriangleMesh Polygonizer::remeshed() {
   return approached(remesh(backend_, field_.view(), sizes_.view(field_), base_, places_));
 }
 
-/// The surface, brought near the face centres that it is too far from.
+/// The surface, its vertices brought back to the base surface, and it to the face centres, where
+/// they are too far.
 TriangleMesh Polygonizer::approached(TriangleMesh mesh) {
-  return approach(backend_, field_.view(), sizes_.view(field_), face_centres_,
-                  kNearShare * distance_limit(scale_), std::move(mesh));
+  const FieldView field = field_.view();
+  const SizeView sizes = sizes_.view(field_);
+  mesh = bring_back(backend_, field, sizes, base_, base_tree_, kStray, std::move(mesh));
+  return approach(backend_, field, sizes, face_centres_, kNearShare * distance_limit(scale_),
+                  std::move(mesh));
 }
 
 /// The face centres that the last surface is too far from.
