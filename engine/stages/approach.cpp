@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -200,22 +201,29 @@ std::vector<FarPoint> far_points(Backend& backend, std::span<const Vec3> points,
   return found;
 }
 
+/// The box round a part.
+struct Extent {
+  Vec3 low, high;
+
+  explicit Extent(const PatchMesh& part) : low(part.points[0].position), high(low) {
+    for (const SurfacePoint& point : part.points) {
+      const Vec3& p = point.position;
+      low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+      high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+    }
+  }
+  bool is_within(const Vec3& p, float d) const {
+    return p.x >= low.x - d && p.x <= high.x + d && p.y >= low.y - d && p.y <= high.y + d &&
+           p.z >= low.z - d && p.z <= high.z + d;
+  }
+};
+
 /// The points within reach of the part.
 std::vector<FarPoint> points_of(const std::vector<FarPoint>& points, const PatchMesh& part) {
-  Vec3 low = part.points[0].position, high = low;
-  for (const SurfacePoint& point : part.points) {
-    const Vec3& p = point.position;
-    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-  }
+  const Extent extent(part);
   std::vector<FarPoint> found;
-  for (const FarPoint& point : points) {
-    const Vec3& p = point.position;
-    const float d = point.distance;
-    if (p.x >= low.x - d && p.x <= high.x + d && p.y >= low.y - d && p.y <= high.y + d &&
-        p.z >= low.z - d && p.z <= high.z + d)
-      found.push_back(point);
-  }
+  for (const FarPoint& point : points)
+    if (extent.is_within(point.position, point.distance)) found.push_back(point);
   return found;
 }
 
@@ -285,18 +293,16 @@ TriangleMesh bring_back(Backend& backend, const FieldView& field, const SizeView
     const std::vector<StrayVertex> strays =
         stray_vertices(backend, origin, tree, farthest, surface);
     if (strays.empty()) break;
-    for_each_block(
-        backend, {kBlock, 0.3f * static_cast<float>(round)}, surface, [&](PatchMesh& part) {
-          const bool any =
-              std::any_of(part.points.begin(), part.points.end(), [&](const SurfacePoint& point) {
-                return std::any_of(strays.begin(), strays.end(), [&](const StrayVertex& stray) {
-                  return stray.from == point.position;
-                });
-              });
-          if (!any) return;
-          Approach work(part, goal, farthest);
-          for (const StrayVertex& stray : strays) work.draw_vertex(stray.from, stray.to);
-        });
+    for_each_block(backend, {kBlock, 0.3f * static_cast<float>(round)}, surface,
+                   [&](PatchMesh& part) {
+                     const Extent extent(part);
+                     std::optional<Approach> work;
+                     for (const StrayVertex& stray : strays) {
+                       if (!extent.is_within(stray.from, 0)) continue;
+                       if (!work) work.emplace(part, goal, farthest);
+                       work->draw_vertex(stray.from, stray.to);
+                     }
+                   });
   }
   return make_mesh(surface);
 }
