@@ -18,7 +18,7 @@ namespace vasamesh {
 namespace {
 
 constexpr float kBlock = 32;  // voxel lengths
-constexpr int kRounds = 6, kReturns = 3;
+constexpr int kRounds = 6, kReturns = 2;
 constexpr float kAim = 0.93f;  // of the farthest distance: where a move is to end
 constexpr float kLongestMove = 0.5f, kReach = 0.4f;  // voxel lengths: of a vertex, of a projection
 constexpr float kAtVertex = 0.65f;   // weight from which the nearest point counts as a vertex
