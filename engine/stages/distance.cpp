@@ -89,6 +89,9 @@ class Nearest {
     return std::sqrt(best_);
   }
 
+  /// The triangle found last.
+  std::uint32_t found() const { return tree_.order[last_]; }
+
  private:
   void descend(int level, std::size_t node, const float (&p)[3]) {
     float squared[8];
@@ -211,16 +214,25 @@ DistanceReport measure_distance(Backend& backend, const TriangleMesh& surface,
   return report;
 }
 
-std::vector<float> distances_to(Backend& backend, std::span<const Vec3> points,
-                                const TriangleMesh& surface, const TriangleTree& tree) {
-  std::vector<float> distances(points.size());
+NearestTriangles nearest_triangles(Backend& backend, std::span<const Vec3> points,
+                                   const TriangleMesh& surface, const TriangleTree& tree) {
+  NearestTriangles found{std::vector<float>(points.size()),
+                         std::vector<std::uint32_t>(points.size())};
   backend.run((points.size() + kTriangles - 1) / kTriangles, [&](std::size_t part) {
     Nearest nearest(surface, tree);
     const std::size_t end = std::min((part + 1) * kTriangles, points.size());
-    for (std::size_t i = part * kTriangles; i < end; ++i)
-      distances[i] = static_cast<float>(nearest.distance({points[i].x, points[i].y, points[i].z}));
+    for (std::size_t i = part * kTriangles; i < end; ++i) {
+      found.distances[i] =
+          static_cast<float>(nearest.distance({points[i].x, points[i].y, points[i].z}));
+      found.triangles[i] = nearest.found();
+    }
   });
-  return distances;
+  return found;
+}
+
+std::vector<float> distances_to(Backend& backend, std::span<const Vec3> points,
+                                const TriangleMesh& surface, const TriangleTree& tree) {
+  return nearest_triangles(backend, points, surface, tree).distances;
 }
 
 }  // namespace vasamesh

@@ -7,6 +7,7 @@
 /// Aspert, Santa-Cruz, Ebrahimi: MESH: measuring errors between surfaces using the Hausdorff
 /// distance, 2002.
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -41,5 +42,13 @@ DistanceReport measure_distance(Backend& backend, const TriangleMesh& surface,
 /// \pre the surface's vertices are finite, and the tree is that of its triangles, at least one.
 std::vector<float> distances_to(Backend& backend, std::span<const Vec3> points,
                                 const TriangleMesh& surface, const TriangleTree& tree);
+
+/// The same, and the nearest triangle of each point.
+struct NearestTriangles {
+  std::vector<float> distances;
+  std::vector<std::uint32_t> triangles;
+};
+NearestTriangles nearest_triangles(Backend& backend, std::span<const Vec3> points,
+                                   const TriangleMesh& surface, const TriangleTree& tree);
 
 }  // namespace vasamesh

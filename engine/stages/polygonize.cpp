@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "stages/approach.h"
 #include "stages/curvature.h"
 #include "stages/distance.h"
 #include "stages/expand.h"
@@ -30,7 +31,9 @@ constexpr double kCountTolerance = 0.1;  // of the triangles that are asked for
 constexpr float kRemeshFactors[] = {0.5f, 0};
 constexpr float kFactors[] = {0.7f, 0.5f, 0.35f, 0};  // of the edges in a place, failure by failure
 constexpr float kPlace = 2.5f, kMargin = 1.2f;  // edge_max: a place's radius, the front's room
-constexpr float kFarShare = 0.9f;  // of the distance limit: how far from face centres is too far
+constexpr float kFarShare = 0.9f;    // of the distance limit: how far from face centres is too far
+constexpr float kStray = 0.4f;       // voxel lengths: of a vertex from the base surface, at most
+constexpr float kNearShare = 0.82f;  // the same: how near the surface is brought to them
 constexpr float kLeastEdge = 0.05f, kLongestEdge = 100;  // voxel lengths
 constexpr std::uint32_t kNoVertex = 0xffffffffu;
 
@@ -170,6 +173,7 @@ Polygonizer::Polygonizer(Scheduler& scheduler, const Lattice& lattice,
   for (std::size_t i = 0; i < base_.vertices.size(); ++i) base_.vertices[i] *= scale_[i % 3];
   if (plan_ == Plan::base) return;
   scheduler_.begin("sizes", Stage::mesh);
+  base_tree_ = build_triangle_tree(backend_, base_);
   face_centres_ = find_face_centres(lattice, scale);
   field_ = make_field(backend_, lattice, size, scale);
   sizes_ = make_sizes(backend_, field_, base_, rule_);
@@ -295,7 +299,7 @@ TriangleMesh Polygonizer::expanded() {
   if (!part.triangles.empty()) patches = remesh(backend_, field_.view(), sizes_.view(field_), part);
   const TriangleMesh mesh = front_over(patches);
   scheduler_.begin("finish", Stage::mesh);
-  return finish(backend_, field_.view(), sizes_.view(field_), mesh);
+  return approached(finish(backend_, field_.view(), sizes_.view(field_), mesh));
 }
 
 /// The last surface with the fresh places cut out, the base surface remeshed in their middle, and
@@ -322,7 +326,7 @@ TriangleMesh Polygonizer::redone() {
   std::vector<CarefulPlace> round = where_base_stays(places_);
   for (const CarefulPlace& place : fresh)
     if (place.factor > 0) round.push_back({place.centre, place.radius + 2 * margin, 1});
-  return finish(backend_, field_.view(), sizes_.view(field_), mesh, round);
+  return approached(finish(backend_, field_.view(), sizes_.view(field_), mesh, round));
 }
 
 /// The front round the patches, its gaps stitched.
@@ -348,7 +352,17 @@ TriangleMesh Polygonizer::remeshed() {
   report_.hard_share = 1;
   report_.rounds = 0;
   report_.front_triangles = report_.gaps = report_.gap_triangles = 0;
-  return remesh(backend_, field_.view(), sizes_.view(field_), base_, places_);
+  return approached(remesh(backend_, field_.view(), sizes_.view(field_), base_, places_));
+}
+
+/// The surface, its vertices brought back to the base surface, and it to the face centres, where
+/// they are too far.
+TriangleMesh Polygonizer::approached(TriangleMesh mesh) {
+  const FieldView field = field_.view();
+  const SizeView sizes = sizes_.view(field_);
+  mesh = bring_back(backend_, field, sizes, base_, base_tree_, kStray, std::move(mesh));
+  return approach(backend_, field, sizes, face_centres_, kNearShare * distance_limit(scale_),
+                  std::move(mesh));
 }
 
 /// The face centres that the last surface is too far from.

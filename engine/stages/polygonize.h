@@ -18,6 +18,7 @@
 #include "scheduler.h"
 #include "stages/field.h"
 #include "stages/sizing.h"
+#include "stages/triangle_tree.h"
 #include "types/lattice.h"
 #include "vasamesh/parameters.h"
 #include "vasamesh/report.h"
@@ -61,6 +62,7 @@ class Polygonizer {
   TriangleMesh expanded();
   TriangleMesh redone();
   TriangleMesh remeshed();
+  TriangleMesh approached(TriangleMesh mesh);
   TriangleMesh front_over(const TriangleMesh& patches);
   std::vector<Vec3> astray() const;
   std::vector<Vec3> defects(const CheckReport& check) const;
@@ -73,8 +75,9 @@ class Polygonizer {
   Scale scale_;
   StitchMode stitch_;
   SizeRule asked_, rule_;
-  double wanted_triangles_ = 0;     ///< 0: as many as the rule gives
-  TriangleMesh base_;               ///< voxel lengths
+  double wanted_triangles_ = 0;  ///< 0: as many as the rule gives
+  TriangleMesh base_;            ///< voxel lengths
+  TriangleTree base_tree_;
   std::vector<Vec3> face_centres_;  ///< of the segmentation's boundary, voxel lengths
   float farthest_ = 0;              ///< that the surface may be from them
   IndicatorField field_;
