@@ -22,6 +22,6 @@ draw() {
 }
 
 mkdir -p docs/images
-draw willis_mra "0 -1 0" 4.3 -25 -11.8 6
+draw pulmonary_arteries "0 -1 0" -39.7 -81.3 -749.9 12
 draw airways "0 -1 0" 81 -128 -309 7
-draw aorta_mra "0 0 1" -97 -203 28 14
+draw hepatic_veins "0 -1 0" 112.9 175 -345 9

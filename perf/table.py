@@ -88,8 +88,8 @@ def convert_all(program, volume, folder, options):
     digests, row = set(), {}
     for threads in THREADS:
         surface, report = folder / f"{threads}.ply", folder / f"{threads}.json"
-        outcome = program_run([program, "convert", "--surface", "base", volume, "-o", surface, "--report", report,
-                               "--threads", threads, "--quiet", *options])
+        outcome = program_run([program, "convert", volume, "-o", surface, "--report", report,
+                               "--surface", "base", "--threads", threads, "--quiet", *options])
         digests.add(hashlib.sha256(surface.read_bytes()).hexdigest())
         if threads == 2:
             content = json.loads(report.read_text())
@@ -135,8 +135,8 @@ def measure(program, case, folder):
         row["exact"] = against_reference(program, surface, volume, options, exact)
     if reference:
         turned = folder / "ras.ply"
-        program_run([program, "convert", "--surface", "base", volume, "-o", turned, "--space", "ras", "--quiet",
-                     *options])
+        program_run([program, "convert", volume, "-o", turned, "--surface", "base",
+                     "--space", "ras", "--quiet", *options])
         row["exact"] = against_reference(program, turned, volume, [*options, "--space", "ras"],
                                          reference)
     return row
