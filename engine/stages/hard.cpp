@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <utility>
+
+#include "stages/disjoint_sets.h"
 
 namespace vasamesh {
 
@@ -31,12 +34,6 @@ bool is_hard(const FieldView& field, const SurfaceSamples& samples, const SizeRu
          !has_room(field, samples.position[i], samples.normal[i], kRoom * rule.edge_min);
 }
 
-/// The root of an entry of a union-find forest.
-std::uint32_t root_of(std::vector<std::uint32_t>& parent, std::uint32_t i) {
-  while (parent[i] != i) i = parent[i] = parent[parent[i]];
-  return i;
-}
-
 /// The size cell at an offset from another; kNoCell where there is no brick.
 constexpr std::uint32_t kNoCell = 0xffffffffu;
 std::uint32_t neighbour_cell(const std::int32_t* neighbours, std::uint32_t cell, int dx, int dy,
@@ -60,21 +57,21 @@ void fill_islands(const IndicatorField& field, const SizeField& sizes, Buffer<fl
   std::vector<std::uint32_t> sample_at(distance.size(), kNoCell);
   for (std::uint32_t i = 0; i < cells.size(); ++i)
     if (to_hard[cells[i]] > kGrowth * sizes.sizes.view()[cells[i]]) sample_at[cells[i]] = i;
-  std::vector<std::uint32_t> parent(cells.size()), group(cells.size(), 0);
-  for (std::uint32_t i = 0; i < parent.size(); ++i) parent[i] = i;
+  DisjointSets groups(cells.size());
   for (std::uint32_t i = 0; i < cells.size(); ++i) {
     if (sample_at[cells[i]] == kNoCell) continue;
     for (int axis = 0; axis < 3; ++axis) {
       const std::uint32_t other =
           neighbour_cell(neighbours, cells[i], axis == 0, axis == 1, axis == 2);
       if (other == kNoCell || sample_at[other] == kNoCell) continue;
-      parent[root_of(parent, sample_at[other])] = root_of(parent, i);
+      groups.unite(sample_at[other], i);
     }
   }
-  for (std::uint32_t i = 0; i < cells.size(); ++i) ++group[root_of(parent, i)];
+  const std::vector<std::uint32_t> root = std::move(groups).roots();
+  std::vector<std::uint32_t> size(cells.size(), 0);
+  for (std::uint32_t i = 0; i < cells.size(); ++i) ++size[root[i]];
   for (std::uint32_t i = 0; i < cells.size(); ++i)
-    if (sample_at[cells[i]] != kNoCell && group[root_of(parent, i)] <= kIsland)
-      to_hard[cells[i]] = kBeside;
+    if (sample_at[cells[i]] != kNoCell && size[root[i]] <= kIsland) to_hard[cells[i]] = kBeside;
 }
 
 enum Nearness : std::uint8_t { kAway, kNear, kWithin };  ///< of a vertex to a hard cell
@@ -145,18 +142,17 @@ bool widen_pinches(const TriangleMesh& surface, const std::vector<std::uint8_t>&
 /// triangles that the cells of the growth's rim leave.
 void drop_islands(const TriangleMesh& surface, const std::vector<std::uint8_t>& flagged,
                   std::vector<std::uint8_t>& hard) {
-  std::vector<std::uint32_t> parent(surface.vertex_count());
-  for (std::uint32_t v = 0; v < parent.size(); ++v) parent[v] = v;
-  const auto root = [&](std::uint32_t v) { return root_of(parent, v); };
-  std::vector<std::uint8_t> kept(parent.size(), 0);
+  DisjointSets regions(surface.vertex_count());
   for (std::size_t t = 0; t < hard.size(); ++t)
     if (hard[t])
       for (std::size_t i = 1; i < 3; ++i)
-        parent[root(surface.triangles[3 * t + i])] = root(surface.triangles[3 * t]);
-  for (std::uint32_t v = 0; v < parent.size(); ++v)
-    if (flagged[v] == kWithin) kept[root(v)] = 1;
+        regions.unite(surface.triangles[3 * t + i], surface.triangles[3 * t]);
+  const std::vector<std::uint32_t> root = std::move(regions).roots();
+  std::vector<std::uint8_t> kept(root.size(), 0);
+  for (std::uint32_t v = 0; v < root.size(); ++v)
+    if (flagged[v] == kWithin) kept[root[v]] = 1;
   for (std::size_t t = 0; t < hard.size(); ++t)
-    if (hard[t]) hard[t] = kept[root(surface.triangles[3 * t])];
+    if (hard[t]) hard[t] = kept[root[surface.triangles[3 * t]]];
 }
 
 }  // namespace

@@ -5,38 +5,18 @@
 #include <utility>
 #include <vector>
 
+#include "stages/disjoint_sets.h"
+
 namespace vasamesh {
 
 namespace {
-
-/// Corners joined into fans: a forest whose roots are the lowest corners.
-class Fans {
- public:
-  explicit Fans(std::size_t corners) : parent_(corners) {
-    for (std::size_t c = 0; c < corners; ++c) parent_[c] = static_cast<std::uint32_t>(c);
-  }
-
-  std::uint32_t root(std::uint32_t corner) {
-    while (parent_[corner] != corner) corner = parent_[corner] = parent_[parent_[corner]];
-    return corner;
-  }
-
-  void join(std::uint32_t a, std::uint32_t b) {
-    a = root(a);
-    b = root(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<std::uint32_t> parent_;
-};
 
 std::uint32_t next_corner(std::uint32_t corner) {
   return corner % 3 == 2 ? corner - 2 : corner + 1;
 }
 
-/// The fans of a mesh: triangles at a vertex that share an edge there.
-Fans find_fans(const TriangleMesh& mesh) {
+/// The fans of a mesh, as sets of corners: of triangles at a vertex that share an edge there.
+DisjointSets find_fans(const TriangleMesh& mesh) {
   struct Edge {
     std::uint64_t ends;    // lower vertex first
     std::uint32_t corner;  // where a triangle begins it
@@ -50,13 +30,13 @@ Fans find_fans(const TriangleMesh& mesh) {
     edges[c] = {std::min(a, b) << 32 | std::max(a, b), c};
   }
   std::sort(edges.begin(), edges.end());
-  Fans fans(mesh.triangles.size());
+  DisjointSets fans(mesh.triangles.size());
   for (std::size_t i = 1; i < edges.size(); ++i) {
     if (edges[i].ends != edges[i - 1].ends) continue;
     const std::uint32_t a = edges[i - 1].corner, b = edges[i].corner;
     if (mesh.triangles[a] == mesh.triangles[b]) continue;  // of one direction: no pair
-    fans.join(a, next_corner(b));
-    fans.join(next_corner(a), b);
+    fans.unite(a, next_corner(b));
+    fans.unite(next_corner(a), b);
   }
   return fans;
 }
@@ -65,7 +45,7 @@ Fans find_fans(const TriangleMesh& mesh) {
 
 void split_pinches(TriangleMesh& mesh) {
   constexpr std::uint32_t kNone = 0xffffffffu;
-  Fans fans = find_fans(mesh);
+  DisjointSets fans = find_fans(mesh);
   std::vector<std::uint32_t> first_fan(mesh.vertex_count(), kNone);
   std::vector<std::uint32_t> vertex_of(mesh.triangles.size());
   for (std::uint32_t c = 0; c < vertex_of.size(); ++c) {

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <bit>
+#include <utility>
 
+#include "stages/disjoint_sets.h"
 #include "vasamesh/errors.h"
 
 namespace vasamesh {
@@ -52,32 +54,9 @@ Slab collect_slab(const BitView& bits, const RowWindow& window, int z_first, int
   return slab;
 }
 
-/// Union-find over runs; a root is the lowest of its set.
-class Sets {
- public:
-  explicit Sets(std::size_t count) : parent_(count) {
-    for (std::size_t i = 0; i < count; ++i) parent_[i] = static_cast<std::uint32_t>(i);
-  }
-  void unite(std::uint32_t a, std::uint32_t b) {
-    a = find(a);
-    b = find(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
-  std::vector<std::uint32_t> roots() && {
-    for (std::uint32_t& parent : parent_) parent = parent_[parent];
-    return std::move(parent_);
-  }
-
- private:
-  std::uint32_t find(std::uint32_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  std::vector<std::uint32_t> parent_;
-};
-
 /// Unites the runs of two rows that touch; runs at most `reach` - 1 voxels apart count.
-void unite_rows(const RunTable& table, std::size_t row, std::size_t other, int reach, Sets& sets) {
+void unite_rows(const RunTable& table, std::size_t row, std::size_t other, int reach,
+                DisjointSets& sets) {
   std::uint32_t a = table.row_first[row], b = table.row_first[other];
   const std::uint32_t a_end = table.row_first[row + 1], b_end = table.row_first[other + 1];
   while (a < a_end && b < b_end) {
@@ -89,7 +68,7 @@ void unite_rows(const RunTable& table, std::size_t row, std::size_t other, int r
 }
 
 /// Unites the rows of layer z with rows before them: in the layer itself, or in the one below.
-void unite_layer(const RunTable& table, int z, bool below, int connectivity, Sets& sets) {
+void unite_layer(const RunTable& table, int z, bool below, int connectivity, DisjointSets& sets) {
   const int rows = table.size[1];
   const int face_reach = connectivity == 6 ? 0 : 1;
   const int edge_reach = connectivity == 26 ? 1 : 0;
@@ -135,7 +114,7 @@ RunTable collect_runs(Backend& backend, const BitView& bits, const RowWindow& wi
 }
 
 std::vector<std::uint32_t> connect_runs(Backend& backend, const RunTable& table, int connectivity) {
-  Sets sets(table.runs.size());
+  DisjointSets sets(table.runs.size());
   const int layers = table.size[2];
   backend.run(slab_count(layers), [&](std::size_t s) {
     const int first = static_cast<int>(s) * kSlab;

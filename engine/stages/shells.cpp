@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
+#include "stages/disjoint_sets.h"
 #include "stages/rays.h"
 
 namespace vasamesh {
@@ -18,24 +20,13 @@ const float* vertex(const TriangleMesh& mesh, std::size_t v) {
 
 std::vector<std::uint32_t> connect_vertices(const TriangleMesh& mesh,
                                             const std::vector<std::uint8_t>& valid) {
-  std::vector<std::uint32_t> parent(mesh.vertex_count());
-  for (std::size_t v = 0; v < parent.size(); ++v) parent[v] = static_cast<std::uint32_t>(v);
-  const auto find = [&](std::uint32_t v) {
-    while (parent[v] != v) v = parent[v] = parent[parent[v]];
-    return v;
-  };
-  const auto unite = [&](std::uint32_t a, std::uint32_t b) {
-    a = find(a);
-    b = find(b);
-    parent[std::max(a, b)] = std::min(a, b);
-  };
+  DisjointSets sets(mesh.vertex_count());
   for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
     if (!valid[t]) continue;
-    unite(mesh.triangles[3 * t], mesh.triangles[3 * t + 1]);
-    unite(mesh.triangles[3 * t], mesh.triangles[3 * t + 2]);
+    sets.unite(mesh.triangles[3 * t], mesh.triangles[3 * t + 1]);
+    sets.unite(mesh.triangles[3 * t], mesh.triangles[3 * t + 2]);
   }
-  for (std::uint32_t& p : parent) p = parent[p];
-  return parent;
+  return std::move(sets).roots();
 }
 
 /// Six times the volume of the tetrahedron from `origin` to a triangle.
