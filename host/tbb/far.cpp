@@ -281,12 +281,11 @@ class FarTest {
     int count = 0;  // crossed ones
   };
 
-  Cube cube_round(const std::int32_t* near, int x, int y, int z) const {
+  static Cube cube_round(const StateHalo& halo, int x, int y, int z) {
     Cube cube;
     for (std::size_t i = 0; i < 12; ++i) {
       const NodeOffset o = kCubeFaces[i];
-      const std::size_t face = node_at(near, x + o.x, y + o.y, z + o.z);
-      cube.crossed[i] = face != kNoNode && (state_[face] & kFaceCentre);
+      cube.crossed[i] = (halo.values[StateHalo::at(x + o.x, y + o.y, z + o.z)] & kFaceCentre) != 0;
       cube.count += cube.crossed[i];
     }
     if (cube.count < 3) return cube;
@@ -296,14 +295,14 @@ class FarTest {
       for (const int i : side)
         if (cube.crossed[static_cast<std::size_t>(i)]) found[static_cast<std::size_t>(count++)] = i;
       if (count == 2) cube.sides[cube.side_count++] = {found[0], found[1]};
-      if (count == 4) add_parted_sides(near, {x, y, z}, side, cube);
+      if (count == 4) add_parted_sides(halo, {x, y, z}, side, cube);
     }
     return cube;
   }
 
   /// The two sides that part the object's corners of an ambiguous side from each other.
-  void add_parted_sides(const std::int32_t* near, const std::array<int, 3>& corner,
-                        const std::array<int, 4>& side, Cube& cube) const {
+  static void add_parted_sides(const StateHalo& halo, const std::array<int, 3>& corner,
+                               const std::array<int, 4>& side, Cube& cube) {
     for (std::size_t i = 0; i < 4; ++i)
       for (std::size_t j = 0; j < i; ++j) {
         const NodeOffset a = kCubeFaces[static_cast<std::size_t>(side[i])],
@@ -312,8 +311,7 @@ class FarTest {
         const auto join = [](int p, int q) { return p == q || q == 0 ? p : p == 0 ? q : 0; };
         const int x = join(a.x, b.x), y = join(a.y, b.y), z = join(a.z, b.z);
         if (x == 0 || y == 0 || z == 0) continue;
-        const std::size_t voxel = node_at(near, corner[0] + x, corner[1] + y, corner[2] + z);
-        if (voxel != kNoNode && (state_[voxel] & kSolid))
+        if (halo.values[StateHalo::at(corner[0] + x, corner[1] + y, corner[2] + z)] & kSolid)
           cube.sides[cube.side_count++] = {side[i], side[j]};
       }
   }
@@ -326,7 +324,7 @@ class FarTest {
     for (int k = 0; k < 27; ++k) {
       const int x = corner[0] + 2 * (k % 3 - 1), y = corner[1] + 2 * (k / 3 % 3 - 1),
                 z = corner[2] + 2 * (k / 9 - 1);
-      const Cube cube = cube_round(node.near, x, y, z);
+      const Cube cube = cube_round(*node.halo, x, y, z);
       for (std::size_t s = 0; s < cube.side_count; ++s)
         if (square_to_segment(point, face_at(x, y, z, cube.sides[s][0]),
                               face_at(x, y, z, cube.sides[s][1])) <= limit_ * limit_)
@@ -356,7 +354,7 @@ class FarTest {
   /// Whether a polygon of the marching cube round a corner is far from the surface, in its middle
   /// or between two of its corners.
   bool cube_is_far(const Node& node) const {
-    const Cube cube = cube_round(node.near, node.x, node.y, node.z);
+    const Cube cube = cube_round(*node.halo, node.x, node.y, node.z);
     if (cube.count < 3) return false;
     SurfaceNear surface(*this, node, cube.crossed);
     std::array<bool, 12> seen{};
