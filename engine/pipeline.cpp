@@ -47,16 +47,20 @@ void take_off(const std::vector<Closing>& closings, Solid& solid, RelabelReport&
   }
 }
 
+/// Takes a surface from padded voxel units to where it is asked for, and proves it there.
+CheckReport prove(Scheduler& scheduler, const SolidMatch& wanted, TriangleMesh& mesh) {
+  scheduler.begin("check", Stage::verify);
+  place_in_space(scheduler.host(), wanted.geometry, wanted.space, mesh);
+  return check_surface(scheduler.host(), mesh, &wanted);
+}
+
 /// The best of the polygonizer's surfaces that pass their proof, with its check and its making in
-/// the report. Coordinates are rounded before the proof.
-TriangleMesh proven_surface(Polygonizer& polygonizer, Scheduler& scheduler,
-                            const SolidMatch& wanted, Report& report) {
+/// the report; none when none does.
+std::optional<TriangleMesh> proven_surface(Polygonizer& polygonizer, Scheduler& scheduler,
+                                           const SolidMatch& wanted, Report& report) {
   std::optional<TriangleMesh> best;
-  CheckReport check;
   while (std::optional<TriangleMesh> mesh = polygonizer.next()) {
-    scheduler.begin("check", Stage::verify);
-    place_in_space(scheduler.host(), wanted.geometry, wanted.space, *mesh);
-    check = check_surface(scheduler.host(), *mesh, &wanted);
+    const CheckReport check = prove(scheduler, wanted, *mesh);
     const Verdict verdict = polygonizer.judge(check);
     if (verdict == Verdict::refuse) continue;
     best = std::move(mesh);
@@ -64,11 +68,23 @@ TriangleMesh proven_surface(Polygonizer& polygonizer, Scheduler& scheduler,
     report.mesh = polygonizer.report();
     if (verdict == Verdict::take) break;
   }
-  if (!best)
-    throw Error(ErrorCode::failed_check,
-                "the surface failed its proof and is not written: " + check.reason);
+  if (!best) report.mesh = polygonizer.report();
   report.mesh.attempts = polygonizer.report().attempts;
-  return std::move(*best);
+  return best;
+}
+
+/// The base surface, with its check in the report.
+TriangleMesh proven_base(const Lattice& lattice, Scheduler& scheduler, const SolidMatch& wanted,
+                         Report& report) {
+  scheduler.begin("surface", Stage::surface);
+  TriangleMesh mesh = extract_base_surface(scheduler.host(), lattice);
+  report.check = prove(scheduler, wanted, mesh);
+  report.mesh.base_share = 1;
+  ++report.mesh.attempts;
+  if (!report.check.passed)
+    throw Error(ErrorCode::failed_check,
+                "the surface failed its proof and is not written: " + report.check.reason);
+  return mesh;
 }
 
 /// The whole method, in the order of the paper.
@@ -115,14 +131,17 @@ Result run_pipeline(const VolumeView& volume, const Parameters& parameters, Sche
   report.relabel =
       relabel(scheduler, scale, lattice, parameters.close_handles ? &closings : nullptr);
 
-  scheduler.begin("surface", Stage::surface);
-  TriangleMesh base = extract_base_surface(host, lattice);
-
   report.input = solid.findings;
   take_off(closings, solid, report.relabel);
-  Polygonizer polygonizer(scheduler, lattice, object.size, scale, std::move(base), parameters);
-  result.mesh =
-      proven_surface(polygonizer, scheduler, {&solid, volume.geometry, parameters.space}, report);
+  const SolidMatch wanted = {&solid, volume.geometry, parameters.space};
+  std::optional<TriangleMesh> adaptive;
+  if (parameters.surface == SurfaceKind::adaptive) {
+    scheduler.begin("surface", Stage::surface);
+    TriangleMesh base = extract_base_surface(host, lattice);
+    Polygonizer polygonizer(scheduler, lattice, object.size, scale, std::move(base), parameters);
+    adaptive = proven_surface(polygonizer, scheduler, wanted, report);
+  }
+  result.mesh = adaptive ? std::move(*adaptive) : proven_base(lattice, scheduler, wanted, report);
   scheduler.begin("quality", Stage::verify);
   report.quality = measure_quality(host, result.mesh);
   scheduler.end();

@@ -168,10 +168,8 @@ Polygonizer::Polygonizer(Scheduler& scheduler, const Lattice& lattice,
       rule_(asked_),
       wanted_triangles_(static_cast<double>(parameters.edges.triangles)),
       base_(std::move(base)),
-      farthest_(kFarShare * distance_limit(scale)),
-      plan_(parameters.surface == SurfaceKind::base ? Plan::base : Plan::expand) {
+      farthest_(kFarShare * distance_limit(scale)) {
   for (std::size_t i = 0; i < base_.vertices.size(); ++i) base_.vertices[i] *= scale_[i % 3];
-  if (plan_ == Plan::base) return;
   scheduler_.begin("sizes", Stage::mesh);
   base_tree_ = build_triangle_tree(backend_, base_);
   face_centres_ = find_face_centres(lattice, scale);
@@ -213,10 +211,6 @@ std::optional<TriangleMesh> Polygonizer::next() {
     case Plan::remesh:
       last_ = remeshed();
       break;
-    case Plan::base:
-      last_ = base_;
-      report_.base_share = 1;
-      break;
     case Plan::stop:
       return std::nullopt;
   }
@@ -225,10 +219,6 @@ std::optional<TriangleMesh> Polygonizer::next() {
 }
 
 Verdict Polygonizer::judge(const CheckReport& check) {
-  if (plan_ == Plan::base) {
-    plan_ = Plan::stop;
-    return check.passed ? Verdict::take : Verdict::refuse;
-  }
   if (!check.passed) {
     plan_after(defects(check));
     return Verdict::refuse;
@@ -266,15 +256,24 @@ void Polygonizer::plan_after(const std::vector<Vec3>& defects) {
     note(defects, kFactors);
     plan_ = Plan::redo;
     if (!defects.empty() && failures_ < kFrontAttempts) return;
-    plan_ = proven_ ? Plan::stop : Plan::remesh;
-    failures_ = 0;
-    places_.clear();
-    apply_rule(backend_, field_, base_, rule_, places_, sizes_);
+    if (proven_)
+      plan_ = Plan::stop;
+    else
+      start_over(Plan::remesh);
     return;
   }
   note(defects, kRemeshFactors);
-  if (!defects.empty() && failures_ < kRemeshAttempts) return;
-  plan_ = proven_ ? Plan::stop : Plan::base;
+  if (defects.empty() || failures_ == kRemeshAttempts) plan_ = Plan::stop;
+}
+
+/// Forgets the places and what the attempts with them have added.
+void Polygonizer::start_over(Plan plan) {
+  plan_ = plan;
+  failures_ = 0;
+  places_.clear();
+  apply_rule(backend_, field_, base_, rule_, places_, sizes_);
+  report_.rounds = 0;
+  report_.front_triangles = report_.gaps = report_.gap_triangles = 0;
 }
 
 /// Whether the number of triangles is what was asked for. If not, the next surface aims again.
@@ -282,11 +281,8 @@ bool Polygonizer::count_is_right(std::int64_t triangles) {
   if (wanted_triangles_ == 0) return true;
   const double ratio = static_cast<double>(triangles) / wanted_triangles_;
   if (std::fabs(ratio - 1) <= kCountTolerance || ++aims_ == kAims) return true;
-  places_.clear();
-  failures_ = 0;
-  apply_rule(backend_, field_, base_, rule_, places_, sizes_);
+  start_over(Plan::expand);
   aim(sizes_.predicted_triangles / ratio);
-  plan_ = Plan::expand;
   return false;
 }
 
@@ -350,8 +346,6 @@ TriangleMesh Polygonizer::front_over(const TriangleMesh& patches) {
 TriangleMesh Polygonizer::remeshed() {
   scheduler_.begin("remesh", Stage::mesh);
   report_.hard_share = 1;
-  report_.rounds = 0;
-  report_.front_triangles = report_.gaps = report_.gap_triangles = 0;
   return approached(remesh(backend_, field_.view(), sizes_.view(field_), base_, places_));
 }
 

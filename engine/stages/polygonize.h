@@ -45,7 +45,7 @@ class Polygonizer {
   ///
   /// First that of mesh expanding, then the same with the places that failed made again from the
   /// base surface, with ever shorter edges and at last as it is there. If none of these is proven,
-  /// the base surface remeshed as a whole, with the same care; at last the base surface.
+  /// the base surface remeshed as a whole, with the same care.
   std::optional<TriangleMesh> next();
 
   /// Judges the surface that next() gave last by its proof, by how far it leaves the segmentation
@@ -55,7 +55,7 @@ class Polygonizer {
   const MeshReport& report() const { return report_; }
 
  private:
-  enum class Plan { expand, redo, remesh, base, stop };
+  enum class Plan { expand, redo, remesh, stop };
 
   void aim(double triangles);
   bool count_is_right(std::int64_t triangles);
@@ -68,6 +68,7 @@ class Polygonizer {
   std::vector<Vec3> defects(const CheckReport& check) const;
   void note(const std::vector<Vec3>& defects, std::span<const float> factors);
   void plan_after(const std::vector<Vec3>& defects);
+  void start_over(Plan plan);
   TriangleMesh in_voxels(TriangleMesh mesh) const;
 
   Scheduler& scheduler_;
