@@ -18,6 +18,7 @@
 #include "support/analytic_lattice.h"
 #include "support/invariants.h"
 #include "tbb/backend.h"
+#include "types/mesh_vertex.h"
 
 namespace vasamesh::test {
 namespace {
@@ -57,10 +58,6 @@ const Scene& sphere_scene() {
 const Scene& torus_scene() {
   static const Scene scene({36, 36, 16}, ring({18, 18, 8}, 11, 3.5f));
   return scene;
-}
-
-Vec3 vertex_at(const TriangleMesh& mesh, std::uint32_t v) {
-  return {mesh.vertices[3 * v], mesh.vertices[3 * v + 1], mesh.vertices[3 * v + 2]};
 }
 
 std::set<Edge> edges_of(const TriangleMesh& mesh) {

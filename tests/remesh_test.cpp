@@ -15,6 +15,7 @@
 #include "support/analytic_lattice.h"
 #include "support/invariants.h"
 #include "tbb/backend.h"
+#include "types/mesh_vertex.h"
 
 namespace vasamesh::test {
 namespace {
@@ -37,10 +38,6 @@ struct Scene {
   AnalyticScene base;
   SizeField sizes;
 };
-
-Vec3 vertex_at(const TriangleMesh& mesh, std::uint32_t v) {
-  return {mesh.vertices[3 * v], mesh.vertices[3 * v + 1], mesh.vertices[3 * v + 2]};
-}
 
 /// The topology of the base surface, no intersection, no small angle, mostly even triangles.
 void expect_good_remesh(const Scene& scene, const TriangleMesh& mesh) {

@@ -79,7 +79,7 @@ TriangleMesh cut(const TriangleMesh& mesh, const Condition& condition) {
   for (std::size_t t = 0; t < removed.size(); ++t) {
     Vec3 centre;
     for (int i = 0; i < 3; ++i)
-      centre = centre + (1.0f / 3) * position(mesh, mesh.triangles[3 * t + i]);
+      centre = centre + (1.0f / 3) * vertex_at(mesh, mesh.triangles[3 * t + i]);
     removed[t] = condition(centre);
   }
   return without(mesh, removed);
@@ -138,7 +138,7 @@ float turning_of(AnalyticField& field, const TriangleMesh& mesh,
                  std::span<const std::uint32_t> loop) {
   std::vector<Vec3> points, normals;
   for (const std::uint32_t v : loop) {
-    points.push_back(position(mesh, v));
+    points.push_back(vertex_at(mesh, v));
     normals.push_back(normalised(-sample_field(field.view(), points.back()).gradient));
   }
   return turning(points, normals);
@@ -367,7 +367,7 @@ TEST(Stitch, LargeGapIsFilledToTheDensityAroundIt) {
   const auto added = static_cast<double>(mesh.triangle_count() - report.first_triangle);
   EXPECT_NEAR(added / removed, 1, 0.3);
   for (std::size_t v = report.first_vertex; v < mesh.vertex_count(); ++v)
-    EXPECT_NEAR(norm(position(mesh, static_cast<std::uint32_t>(v)) - Vec3{12, 12, 12}), 8, 0.05);
+    EXPECT_NEAR(norm(vertex_at(mesh, static_cast<std::uint32_t>(v)) - Vec3{12, 12, 12}), 8, 0.05);
   EXPECT_GT(measure_quality(backend(), mesh).least_angle.minimum, 20);
 }
 
@@ -477,7 +477,7 @@ TEST(Stitch, OneEdgeForTwoGaps) {
   for (std::size_t l = 0; l < 2; ++l)
     for (std::size_t i = 0; i < 4; ++i) {
       const std::uint32_t a = loops[l][i], b = loops[l][(i + 1) % 4];
-      const Vec3 middle = position(mesh, a) + position(mesh, b) - Vec3{6, 6, 6};
+      const Vec3 middle = vertex_at(mesh, a) + vertex_at(mesh, b) - Vec3{6, 6, 6};
       add_triangle(mesh, b, a, add_vertex(mesh, {middle.x, middle.y, middle.z}));
     }
   const StitchReport report =

@@ -12,6 +12,7 @@
 #include "stages/patch_clearance.h"
 #include "stages/patch_passes.h"
 #include "stages/patch_rules.h"
+#include "types/mesh_vertex.h"
 
 namespace vasamesh {
 
@@ -269,11 +270,8 @@ std::vector<StrayVertex> stray_vertices(Backend& backend, const TriangleMesh& or
   for (std::size_t v = 0; v < places.size(); ++v) {
     if (!(nearest.distances[v] > farthest)) continue;
     std::array<Vec3, 3> corner;
-    for (std::size_t i = 0; i < 3; ++i) {
-      const float* p =
-          &origin.vertices[3 * std::size_t{origin.triangles[3 * nearest.triangles[v] + i]}];
-      corner[i] = {p[0], p[1], p[2]};
-    }
+    for (std::size_t i = 0; i < 3; ++i)
+      corner[i] = vertex_at(origin, origin.triangles[3 * nearest.triangles[v] + i]);
     const Foot foot = foot_on(places[v], corner);
     strays.push_back({places[v], foot.weight[0] * corner[0] + foot.weight[1] * corner[1] +
                                      foot.weight[2] * corner[2]});

@@ -91,7 +91,7 @@ class Bridger {
   }
 
  private:
-  Vec3 at(std::uint32_t v) const { return position(mesh_, v); }
+  Vec3 at(std::uint32_t v) const { return vertex_at(mesh_, v); }
   static std::uint32_t next(const Loop& loop, std::size_t i) { return loop[(i + 1) % loop.size()]; }
 
   void measure(std::size_t l) {
@@ -291,7 +291,7 @@ std::vector<float> find_turnings(Backend& backend, const TriangleMesh& mesh, con
       points.clear();
       normals.clear();
       for (std::uint32_t v : loops[l]) {
-        points.push_back(position(mesh, v));
+        points.push_back(vertex_at(mesh, v));
         normals.push_back(rim.normal(v));
       }
       result[l] = turning(points, normals);

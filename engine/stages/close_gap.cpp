@@ -55,7 +55,7 @@ void GapCloser::load(std::span<const std::uint32_t> loop) {
   across_.resize(n);
   chords_.resize(n * n);
   for (std::size_t i = 0; i < n; ++i) {
-    points_[i] = position(mesh_, loop[i]);
+    points_[i] = vertex_at(mesh_, loop[i]);
     normals_[i] = rim_.normal(loop[i]);
     if (mode_ == StitchMode::paper) across_[i] = normal_across(loop[i], loop[(i + 1) % n]);
   }
@@ -64,8 +64,8 @@ void GapCloser::load(std::span<const std::uint32_t> loop) {
 Vec3 GapCloser::normal_across(std::uint32_t a, std::uint32_t b) const {
   const std::uint32_t c = rim_.across(a, b);
   if (c == GapRim::kNoVertex) return {};
-  const Vec3 at = position(mesh_, a);
-  return normalised(cross(position(mesh_, c) - at, position(mesh_, b) - at));
+  const Vec3 at = vertex_at(mesh_, a);
+  return normalised(cross(vertex_at(mesh_, c) - at, vertex_at(mesh_, b) - at));
 }
 
 void GapCloser::find_chords(std::span<const std::uint32_t> loop, std::span<const TakenChord> taken,

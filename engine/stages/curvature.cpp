@@ -7,6 +7,7 @@
 #include <map>
 
 #include "stages/gap_loops.h"
+#include "types/mesh_vertex.h"
 
 namespace vasamesh {
 
@@ -17,11 +18,6 @@ constexpr double kTwoPi = 6.283185307179586;
 
 using Cube = std::array<int, 3>;  // of the grid
 using Sums = std::map<Cube, double>;
-
-Vec3 vertex_at(const TriangleMesh& mesh, std::uint32_t v) {
-  const float* p = mesh.vertices.data() + 3 * std::size_t{v};
-  return {p[0], p[1], p[2]};
-}
 
 /// What is missing from 2 pi at each vertex.
 std::vector<double> angle_defects(const TriangleMesh& mesh) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "stages/adjacency.h"
+#include "types/mesh_vertex.h"
 
 namespace vasamesh {
 
@@ -13,10 +14,6 @@ namespace {
 
 constexpr float kAgree = 0.3f;  // least cosine of the function's normal and the triangles' own
 constexpr std::size_t kGrain = 1024;
-
-Vec3 vertex_at(const TriangleMesh& mesh, std::size_t v) {
-  return {mesh.vertices[3 * v], mesh.vertices[3 * v + 1], mesh.vertices[3 * v + 2]};
-}
 
 /// The sum of the area vectors of the triangles at a vertex, as a unit vector.
 Vec3 triangles_normal(const TriangleMesh& mesh, const VertexCorners& corners, std::size_t v) {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "stages/adjacency.h"
+#include "types/mesh_vertex.h"
 #include "vasamesh/errors.h"
 
 namespace vasamesh {
@@ -105,10 +106,7 @@ class CornerFinder {
     });
   }
 
-  Vec3 point(std::uint32_t v) const {
-    const float* p = mesh_.vertices.data() + 3 * std::size_t{v};
-    return {p[0], p[1], p[2]};
-  }
+  Vec3 point(std::uint32_t v) const { return vertex_at(mesh_, v); }
 
   const TriangleMesh& mesh_;
   const VertexCorners& corners_;

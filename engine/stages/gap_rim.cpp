@@ -79,7 +79,7 @@ void GapRim::find_normals(Backend& backend, const FieldView& field, const Triang
   backend.run((vertex_.size() + kVertexChunk - 1) / kVertexChunk, [&](std::size_t chunk) {
     const std::size_t end = std::min((chunk + 1) * kVertexChunk, vertex_.size());
     for (std::size_t s = chunk * kVertexChunk; s < end; ++s) {
-      const FieldSample sample = sample_field(field, position(mesh, vertex_[s]));
+      const FieldSample sample = sample_field(field, vertex_at(mesh, vertex_[s]));
       const bool usable = sample.known && squared_norm(sample.gradient) > 0;
       normals_[s] = normalised(usable ? -sample.gradient : normal_of_triangles(mesh, s));
     }
@@ -88,11 +88,11 @@ void GapRim::find_normals(Backend& backend, const FieldView& field, const Triang
 
 /// The sum over the triangles that have two rim vertices, one of them this.
 Vec3 GapRim::normal_of_triangles(const TriangleMesh& mesh, std::size_t slot) const {
-  const Vec3 at = position(mesh, vertex_[slot]);
+  const Vec3 at = vertex_at(mesh, vertex_[slot]);
   Vec3 sum;
   for (std::uint32_t i = first_[slot]; i < first_[slot + 1]; ++i)
     if (spokes_[i].apex != kNoVertex)
-      sum = sum + cross(position(mesh, spokes_[i].apex) - at, position(mesh, spokes_[i].to) - at);
+      sum = sum + cross(vertex_at(mesh, spokes_[i].apex) - at, vertex_at(mesh, spokes_[i].to) - at);
   return sum;
 }
 

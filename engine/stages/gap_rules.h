@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "types/indicator_field.h"
+#include "types/mesh_vertex.h"
 #include "types/vec3.h"
 #include "vasamesh/types.h"
 
@@ -22,11 +23,6 @@ struct GapRules {
   /// length.
   float reach = 0.35f;
 };
-
-inline Vec3 position(const TriangleMesh& mesh, std::uint32_t v) {
-  const float* p = mesh.vertices.data() + 3 * std::size_t{v};
-  return {p[0], p[1], p[2]};
-}
 
 /// The square of the cosine of a triangle's least angle, from the squares of its edges: 1/4 for an
 /// equilateral triangle, growing to 1 as the least angle goes to 0. The least angle lies across

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "stages/disjoint_sets.h"
+#include "types/mesh_vertex.h"
 
 namespace vasamesh {
 
@@ -84,8 +85,7 @@ std::vector<std::uint8_t> near_vertices(Backend& backend, const SizeView& distan
   backend.run((count + kSurfaceGrain - 1) / kSurfaceGrain, [&](std::size_t task) {
     const std::size_t end = std::min((task + 1) * kSurfaceGrain, count);
     for (std::size_t v = task * kSurfaceGrain; v < end; ++v) {
-      const float* p = &surface.vertices[3 * v];
-      const Vec3 at = {p[0], p[1], p[2]};
+      const Vec3 at = vertex_at(surface, v);
       const float apart = size_at(distance, at);
       near[v] = !(apart > 0) ? kWithin : apart <= kGrowth * size_at(sizes, at) ? kNear : kAway;
     }

@@ -5,6 +5,7 @@
 #include <bit>
 #include <utility>
 
+#include "types/mesh_vertex.h"
 #include "vasamesh/errors.h"
 
 namespace vasamesh {
@@ -211,8 +212,7 @@ WorkingSurface make_working_surface(Backend& backend, const RemeshGoal& goal,
   surface.triangles = mesh.triangles;
   surface.points.resize(mesh.vertex_count());
   for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
-    surface.points[v].position = {mesh.vertices[3 * v], mesh.vertices[3 * v + 1],
-                                  mesh.vertices[3 * v + 2]};
+    surface.points[v].position = vertex_at(mesh, v);
   set_mesh_normals(surface);
   const std::size_t count = surface.points.size();
   backend.run(chunks(count), [&](std::size_t chunk) {

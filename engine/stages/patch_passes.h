@@ -30,15 +30,13 @@ struct RemeshGoal {
   float size_at(const Vec3& p) const {
     float factor = kLengthFactor;
     for (const CarefulPlace& place : places)
-      if (squared_norm(p - place.centre) <= place.radius * place.radius)
-        factor = std::min(factor, kLengthFactor * place.factor);
+      if (place.holds(p)) factor = std::min(factor, kLengthFactor * place.factor);
     return factor * vasamesh::size_at(sizes, p);
   }
 
   bool is_careful(const Vec3& p) const {
-    return std::any_of(places.begin(), places.end(), [&](const CarefulPlace& place) {
-      return squared_norm(p - place.centre) <= place.radius * place.radius;
-    });
+    return std::any_of(places.begin(), places.end(),
+                       [&](const CarefulPlace& place) { return place.holds(p); });
   }
 
   /// Whether there is work to do on the part.

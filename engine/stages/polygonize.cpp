@@ -18,6 +18,7 @@
 #include "stages/pinches.h"
 #include "stages/remesh.h"
 #include "stages/stitch.h"
+#include "types/mesh_vertex.h"
 #include "vasamesh/errors.h"
 
 namespace vasamesh {
@@ -56,11 +57,6 @@ SizeRule scaled(SizeRule rule, float factor) {
   return rule;
 }
 
-Vec3 vertex_at(const TriangleMesh& mesh, std::uint32_t v) {
-  const float* p = mesh.vertices.data() + 3 * std::size_t{v};
-  return {p[0], p[1], p[2]};
-}
-
 /// The chosen triangles of a mesh, and the vertices that they have.
 TriangleMesh part_of(const TriangleMesh& mesh, const std::vector<std::uint8_t>& chosen) {
   TriangleMesh part;
@@ -94,10 +90,8 @@ std::vector<std::uint8_t> vertices_within(Backend& backend, const TriangleMesh& 
     const std::size_t end = std::min((block + 1) * kBlock, within.size());
     for (std::size_t v = block * kBlock; v < end; ++v) {
       const Vec3 p = vertex_at(mesh, static_cast<std::uint32_t>(v));
-      within[v] = std::any_of(places.begin(), places.end(), [&](const CarefulPlace& place) {
-        const float reach = place.radius + margin;
-        return squared_norm(p - place.centre) <= reach * reach;
-      });
+      within[v] = std::any_of(places.begin(), places.end(),
+                              [&](const CarefulPlace& place) { return place.holds(p, margin); });
     }
   });
   return within;

@@ -8,6 +8,7 @@
 #include "stages/patch_passes.h"
 #include "stages/patch_rules.h"
 #include "stages/triangle_tree.h"
+#include "types/mesh_vertex.h"
 
 namespace vasamesh {
 
@@ -75,10 +76,8 @@ std::vector<CarefulPlace> places_of(const TriangleMesh& mesh, std::span<const Tr
   for (const TrianglePair& pair : pairs) {
     Vec3 centre;
     for (std::uint32_t t : {pair.first, pair.second})
-      for (int i = 0; i < 3; ++i) {
-        const float* p = mesh.vertices.data() + 3 * std::size_t{mesh.triangles[3 * t + i]};
-        centre = centre + (1.0f / 6) * Vec3{p[0], p[1], p[2]};
-      }
+      for (std::size_t i = 0; i < 3; ++i)
+        centre = centre + (1.0f / 6) * vertex_at(mesh, mesh.triangles[3 * std::size_t{t} + i]);
     bool covered = false;
     for (const CarefulPlace& place : places)
       covered |= squared_norm(centre - place.centre) < 0.25f * radius * radius;

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "types/mesh_vertex.h"
+
 namespace vasamesh {
 
 namespace {
@@ -18,28 +20,6 @@ constexpr float kLargestRadius = 1e6f;
 constexpr float kFarthest = 32;  // lengths that a size is carried at most
 constexpr int kSteps = 6;        // Newton steps
 constexpr std::uint32_t kNoVertex = 0xffffffffu;
-
-Vec3 vertex_at(const TriangleMesh& mesh, std::size_t v) {
-  return {mesh.vertices[3 * v], mesh.vertices[3 * v + 1], mesh.vertices[3 * v + 2]};
-}
-
-/// The size cell of a point, or no cell (the number of cells) where there is no brick.
-std::size_t size_cell(const FieldView& field, const Vec3& p) {
-  const std::size_t none = field.coefficients.size / kBrickCells * kCells;
-  const float at[3] = {p.x * field.inverse_step[0], p.y * field.inverse_step[1],
-                       p.z * field.inverse_step[2]};
-  int node[3];
-  for (int i = 0; i < 3; ++i) {
-    if (!(at[i] >= 0 && at[i] < static_cast<float>(8 * field.grid[i]))) return none;
-    node[i] = static_cast<int>(at[i]);
-  }
-  const std::int32_t brick =
-      field.brick_at[field.cell_of({node[0] >> 3, node[1] >> 3, node[2] >> 3})];
-  if (brick == kNoBrick) return none;
-  return kCells * static_cast<std::size_t>(brick) +
-         static_cast<std::size_t>((node[0] >> 1 & 3) + 4 * (node[1] >> 1 & 3) +
-                                  16 * (node[2] >> 1 & 3));
-}
 
 /// The first base vertex of each cell, not yet on the zero set.
 SurfaceSamples first_vertices(const FieldView& field, const TriangleMesh& surface) {
@@ -203,8 +183,7 @@ float place_factor(std::span<const CarefulPlace> places, const Vec3& p) {
   constexpr float kLeast = 0.4f;
   float factor = 1;
   for (const CarefulPlace& place : places)
-    if (squared_norm(p - place.centre) <= place.radius * place.radius)
-      factor = std::min(factor, std::max(place.factor, kLeast));
+    if (place.holds(p)) factor = std::min(factor, std::max(place.factor, kLeast));
   return factor;
 }
 

@@ -211,7 +211,7 @@ class Stitcher {
     patch.triangles.clear();
     patch.rim = n;
     for (std::uint32_t v : loop) {
-      patch.points.push_back(position(mesh_, v));
+      patch.points.push_back(vertex_at(mesh_, v));
       patch.normals.push_back(rim_.normal(v));
     }
     if (closings_[l].kind == GapClosing::starred) {

@@ -15,6 +15,12 @@ struct CarefulPlace {
   Vec3 centre;
   float radius = 2;  ///< voxel lengths
   float factor = 1;  ///< of the sizes; 0: the input's vertices stay
+
+  /// Whether a point lies in it, or up to `margin` beyond.
+  bool holds(const Vec3& p, float margin = 0) const {
+    const float reach = radius + margin;
+    return squared_norm(p - centre) <= reach * reach;
+  }
 };
 
 struct SizeView {
@@ -23,20 +29,28 @@ struct SizeView {
   float elsewhere = 1;      ///< where there is no brick
 };
 
-/// The size of the voxel that holds a point.
-inline float size_at(const SizeView& view, const Vec3& p) {
-  const float at[3] = {p.x * view.field.inverse_step[0], p.y * view.field.inverse_step[1],
-                       p.z * view.field.inverse_step[2]};
+/// The entry of the voxel that holds a point, or the number of entries where there is no brick.
+inline std::size_t size_cell(const FieldView& field, const Vec3& p) {
+  constexpr std::size_t kCells = 64;
+  const std::size_t none = field.coefficients.size / kBrickCells * kCells;
+  const float at[3] = {p.x * field.inverse_step[0], p.y * field.inverse_step[1],
+                       p.z * field.inverse_step[2]};
   int node[3];
   for (int i = 0; i < 3; ++i) {
-    if (!(at[i] >= 0 && at[i] < static_cast<float>(8 * view.field.grid[i]))) return view.elsewhere;
+    if (!(at[i] >= 0 && at[i] < static_cast<float>(8 * field.grid[i]))) return none;
     node[i] = static_cast<int>(at[i]);
   }
   const std::int32_t brick =
-      view.field.brick_at[view.field.cell_of({node[0] >> 3, node[1] >> 3, node[2] >> 3})];
-  if (brick == kNoBrick) return view.elsewhere;
+      field.brick_at[field.cell_of({node[0] >> 3, node[1] >> 3, node[2] >> 3})];
+  if (brick == kNoBrick) return none;
   const int x = node[0] >> 1 & 3, y = node[1] >> 1 & 3, z = node[2] >> 1 & 3;
-  return view.sizes[std::size_t{64} * brick + (x + 4 * (y + 4 * z))];
+  return kCells * static_cast<std::size_t>(brick) + static_cast<std::size_t>(x + 4 * (y + 4 * z));
+}
+
+/// The size of the voxel that holds a point.
+inline float size_at(const SizeView& view, const Vec3& p) {
+  const std::size_t cell = size_cell(view.field, p);
+  return cell < view.sizes.size ? view.sizes[cell] : view.elsewhere;
 }
 
 }  // namespace vasamesh
