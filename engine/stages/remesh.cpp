@@ -48,21 +48,6 @@ WorkingSurface remesh_base(Backend& backend, const RemeshGoal& goal, const Trian
   return surface;
 }
 
-/// Remeshes the places alone, once more, to their shorter edges.
-void remesh_places(Backend& backend, const RemeshGoal& goal, WorkingSurface& surface) {
-  for (SurfacePoint& point : surface.points)
-    if (goal.is_careful(point.position)) point.size = goal.size_at(point.position);
-  run_rounds(backend, goal, 2, 2, surface);
-  finish(backend, goal, surface);
-}
-
-std::int64_t count_pairs(Backend& backend, const TriangleMesh& mesh,
-                         std::vector<TrianglePair>& pairs) {
-  Intersections found = find_intersections(backend, mesh, build_triangle_tree(backend, mesh));
-  pairs = std::move(found.pairs);
-  return found.count;
-}
-
 }  // namespace
 
 TriangleMesh remesh(Backend& backend, const FieldView& field, const SizeView& sizes,
@@ -84,31 +69,6 @@ std::vector<CarefulPlace> places_of(const TriangleMesh& mesh, std::span<const Tr
     if (!covered) places.push_back({centre, radius, factor});
   }
   return places;
-}
-
-ProvenSurface remesh_proven(Backend& backend, const FieldView& field, const SizeView& sizes,
-                            const TriangleMesh& mesh) {
-  struct Attempt {
-    float radius, factor;
-  };
-  constexpr Attempt kAttempts[] = {{2, 0.6f}, {2, 0.4f}, {1.2f, 0}, {3, 0}, {6, 0}};
-  ProvenSurface result;
-  std::vector<TrianglePair> pairs;
-  WorkingSurface surface = remesh_base(backend, {field, sizes, {}, false}, mesh);
-  result.mesh = make_mesh(surface);
-  result.intersecting_pairs = count_pairs(backend, result.mesh, pairs);
-  for (const Attempt& attempt : kAttempts) {
-    if (result.intersecting_pairs == 0) return result;
-    for (const CarefulPlace& place : places_of(result.mesh, pairs, attempt.radius, attempt.factor))
-      result.places.push_back(place);
-    if (attempt.factor > 0)
-      remesh_places(backend, {field, sizes, result.places, true}, surface);
-    else
-      surface = remesh_base(backend, {field, sizes, result.places, false}, mesh);
-    result.mesh = make_mesh(surface);
-    result.intersecting_pairs = count_pairs(backend, result.mesh, pairs);
-  }
-  return result;
 }
 
 }  // namespace vasamesh

@@ -31,18 +31,6 @@ namespace vasamesh {
 TriangleMesh remesh(Backend& backend, const FieldView& field, const SizeView& sizes,
                     const TriangleMesh& mesh, std::span<const CarefulPlace> places = {});
 
-/// A surface without self-intersections, and what that took.
-struct ProvenSurface {
-  TriangleMesh mesh;
-  std::vector<CarefulPlace> places;     ///< where edges had to be shorter or the input stayed
-  std::int64_t intersecting_pairs = 0;  ///< left; 0 unless the input has some
-};
-
-/// remesh(), then again with shorter edges round the triangles that intersect, and at last with the
-/// input as it was there. \param mesh  as for remesh(), and free of self-intersections.
-ProvenSurface remesh_proven(Backend& backend, const FieldView& field, const SizeView& sizes,
-                            const TriangleMesh& mesh);
-
 /// Balls round the pairs: one for each pair whose place no ball before it covers.
 std::vector<CarefulPlace> places_of(const TriangleMesh& mesh, std::span<const TrianglePair> pairs,
                                     float radius, float factor);
