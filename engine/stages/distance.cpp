@@ -1,11 +1,13 @@
 #include "stages/distance.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <string>
 
 #include "stages/triangle_tree.h"
+#include "types/mesh_vertex.h"
 #include "vasamesh/errors.h"
 
 namespace vasamesh {
@@ -227,6 +229,56 @@ NearestTriangles nearest_triangles(Backend& backend, std::span<const Vec3> point
       found.triangles[i] = nearest.found();
     }
   });
+  return found;
+}
+
+namespace {
+
+/// The middles of a triangle's edges and its centroid that may be farther than `limit`: no point is
+/// farther than a vertex and what lies between.
+void add_samples(const std::array<Vec3, 3>& corner, const std::array<float, 3>& distance,
+                 float limit, std::vector<Vec3>& samples) {
+  const Vec3 centroid = (1.0f / 3) * ((corner[0] + corner[1]) + corner[2]);
+  bool far = true;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::size_t j = (i + 1) % 3;
+    far = far && distance[i] + norm(centroid - corner[i]) > limit;
+    if (std::min(distance[i], distance[j]) + 0.5f * norm(corner[j] - corner[i]) > limit)
+      samples.push_back(0.5f * (corner[i] + corner[j]));
+  }
+  if (far) samples.push_back(centroid);
+}
+
+}  // namespace
+
+std::vector<Vec3> points_beyond(Backend& backend, float limit, const TriangleMesh& from,
+                                const TriangleMesh& to, const TriangleTree& tree) {
+  std::vector<Vec3> vertices(from.vertex_count());
+  for (std::size_t v = 0; v < vertices.size(); ++v)
+    vertices[v] = vertex_at(from, static_cast<std::uint32_t>(v));
+  const std::vector<float> distances = distances_to(backend, vertices, to, tree);
+  std::vector<std::vector<Vec3>> parts((from.triangle_count() + kTriangles - 1) / kTriangles);
+  backend.run(parts.size(), [&](std::size_t part) {
+    std::vector<Vec3> samples;
+    const std::size_t end = std::min((part + 1) * kTriangles, from.triangle_count());
+    for (std::size_t t = part * kTriangles; t < end; ++t) {
+      const std::uint32_t* v = from.triangles.data() + 3 * t;
+      add_samples({vertices[v[0]], vertices[v[1]], vertices[v[2]]},
+                  {distances[v[0]], distances[v[1]], distances[v[2]]}, limit, samples);
+    }
+    Nearest nearest(to, tree);
+    for (const Vec3& p : samples)
+      if (static_cast<float>(nearest.distance({p.x, p.y, p.z})) > limit) parts[part].push_back(p);
+  });
+  std::vector<Vec3> found;
+  for (std::size_t v = 0; v < vertices.size(); ++v)
+    if (distances[v] > limit) found.push_back(vertices[v]);
+  for (const std::vector<Vec3>& part : parts) found.insert(found.end(), part.begin(), part.end());
+  const auto before = [](const Vec3& a, const Vec3& b) {
+    return std::array{a.x, a.y, a.z} < std::array{b.x, b.y, b.z};
+  };
+  std::sort(found.begin(), found.end(), before);
+  found.erase(std::unique(found.begin(), found.end()), found.end());
   return found;
 }
 

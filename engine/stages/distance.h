@@ -38,6 +38,12 @@ struct DistanceReport {
 DistanceReport measure_distance(Backend& backend, const TriangleMesh& surface,
                                 const TriangleMesh& reference, double voxel, double step = 0.25);
 
+/// The points of one surface (its vertices, the middles of its edges, the centroids of its
+/// triangles) that are farther than `limit` from another, in their unit, each once. \pre as for
+/// distances_to.
+std::vector<Vec3> points_beyond(Backend& backend, float limit, const TriangleMesh& from,
+                                const TriangleMesh& to, const TriangleTree& tree);
+
 /// The distance of each point to a surface, in its unit. Quick for points near the one before.
 /// \pre the surface's vertices are finite, and the tree is that of its triangles, at least one.
 std::vector<float> distances_to(Backend& backend, std::span<const Vec3> points,

@@ -17,6 +17,7 @@
 #include "stages/lattice.h"
 #include "stages/pinches.h"
 #include "stages/remesh.h"
+#include "stages/solid_surface.h"
 #include "stages/stitch.h"
 #include "types/mesh_vertex.h"
 #include "vasamesh/errors.h"
@@ -32,9 +33,9 @@ constexpr double kCountTolerance = 0.1;  // of the triangles that are asked for
 constexpr float kRemeshFactors[] = {0.5f, 0};
 constexpr float kFactors[] = {0.7f, 0.5f, 0.35f, 0};  // of the edges in a place, failure by failure
 constexpr float kPlace = 2.5f, kMargin = 1.2f;  // edge_max: a place's radius, the front's room
-constexpr float kFarShare = 0.9f;    // of the distance limit: how far from face centres is too far
+constexpr float kFarShare = 0.94f;   // of the distance limit: what is too far from marching cubes
+constexpr float kNearShare = 0.85f;  // the same: how near the surface is brought to them
 constexpr float kStray = 0.4f;       // voxel lengths: of a vertex from the base surface, at most
-constexpr float kNearShare = 0.82f;  // the same: how near the surface is brought to them
 constexpr float kLeastEdge = 0.05f, kLongestEdge = 100;  // voxel lengths
 constexpr std::uint32_t kNoVertex = 0xffffffffu;
 
@@ -104,22 +105,6 @@ std::vector<CarefulPlace> where_base_stays(std::span<const CarefulPlace> places)
   return kept;
 }
 
-/// The centres of the faces between object and background.
-std::vector<Vec3> find_face_centres(const Lattice& lattice, const Scale& scale) {
-  std::vector<Vec3> centres;
-  const auto coords = lattice.bricks.coords.view();
-  const auto state = lattice.state.view();
-  for (std::size_t node = 0; node < state.size; ++node) {
-    if (!(state[node] & kFaceCentre)) continue;
-    const BrickCoord& brick = coords[node / kBrickCells];
-    const int cell = static_cast<int>(node % kBrickCells);
-    centres.push_back({0.5f * scale[0] * static_cast<float>(8 * brick.x + (cell & 7)),
-                       0.5f * scale[1] * static_cast<float>(8 * brick.y + (cell >> 3 & 7)),
-                       0.5f * scale[2] * static_cast<float>(8 * brick.z + (cell >> 6))});
-  }
-  return centres;
-}
-
 double area_of(const TriangleMesh& mesh) {
   double area = 0;
   for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
@@ -162,11 +147,12 @@ Polygonizer::Polygonizer(Scheduler& scheduler, const Lattice& lattice,
       rule_(asked_),
       wanted_triangles_(static_cast<double>(parameters.edges.triangles)),
       base_(std::move(base)),
-      farthest_(kFarShare * distance_limit(scale)) {
+      limit_(distance_limit(scale)) {
   for (std::size_t i = 0; i < base_.vertices.size(); ++i) base_.vertices[i] *= scale_[i % 3];
   scheduler_.begin("sizes", Stage::mesh);
   base_tree_ = build_triangle_tree(backend_, base_);
-  face_centres_ = find_face_centres(lattice, scale);
+  solid_ = marching_cubes_of(backend_, lattice, scale);
+  solid_tree_ = build_triangle_tree(backend_, solid_);
   field_ = make_field(backend_, lattice, size, scale);
   sizes_ = make_sizes(backend_, field_, base_, rule_);
   if (wanted_triangles_ > 0) aim(wanted_triangles_);
@@ -343,23 +329,26 @@ TriangleMesh Polygonizer::remeshed() {
   return approached(remesh(backend_, field_.view(), sizes_.view(field_), base_, places_));
 }
 
-/// The surface, its vertices brought back to the base surface, and it to the face centres, where
-/// they are too far.
+/// The surface, its vertices brought back to the base surface, and it to the segmentation's
+/// marching cubes, where they are too far.
 TriangleMesh Polygonizer::approached(TriangleMesh mesh) {
   const FieldView field = field_.view();
   const SizeView sizes = sizes_.view(field_);
+  const float near = kNearShare * limit_;
   mesh = bring_back(backend_, field, sizes, base_, base_tree_, kStray, std::move(mesh));
-  return approach(backend_, field, sizes, face_centres_, kNearShare * distance_limit(scale_),
-                  std::move(mesh));
+  mesh = bring_back(backend_, field, sizes, solid_, solid_tree_, near, std::move(mesh));
+  const std::vector<Vec3> far =
+      points_beyond(backend_, near, solid_, mesh, build_triangle_tree(backend_, mesh));
+  return approach(backend_, field, sizes, far, near, std::move(mesh));
 }
 
-/// The face centres that the last surface is too far from.
+/// Where the last surface and the segmentation's marching cubes are too far from each other.
 std::vector<Vec3> Polygonizer::astray() const {
-  const std::vector<float> distances =
-      distances_to(backend_, face_centres_, last_, build_triangle_tree(backend_, last_));
-  std::vector<Vec3> found;
-  for (std::size_t i = 0; i < distances.size(); ++i)
-    if (distances[i] > farthest_) found.push_back(face_centres_[i]);
+  const float far = kFarShare * limit_;
+  std::vector<Vec3> found =
+      points_beyond(backend_, far, solid_, last_, build_triangle_tree(backend_, last_));
+  const std::vector<Vec3> own = points_beyond(backend_, far, last_, solid_, solid_tree_);
+  found.insert(found.end(), own.begin(), own.end());
   return found;
 }
 

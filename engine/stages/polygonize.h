@@ -79,8 +79,9 @@ class Polygonizer {
   double wanted_triangles_ = 0;  ///< 0: as many as the rule gives
   TriangleMesh base_;            ///< voxel lengths
   TriangleTree base_tree_;
-  std::vector<Vec3> face_centres_;  ///< of the segmentation's boundary, voxel lengths
-  float farthest_ = 0;              ///< that the surface may be from them
+  TriangleMesh solid_;  ///< the segmentation's marching-cubes surface, voxel lengths
+  TriangleTree solid_tree_;
+  float limit_ = 0;  ///< that the surface may be from it
   IndicatorField field_;
   SizeField sizes_;
   Plan plan_ = Plan::expand;
