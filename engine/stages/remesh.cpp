@@ -16,6 +16,7 @@ namespace {
 
 constexpr float kFineBlock = 16, kBlock = 32;  // voxel lengths
 constexpr int kRounds = 5;
+constexpr int kPlaceRounds = 2;
 constexpr int kRepairedRounds = 2;  // the last ones
 
 /// A vertex removed is one that the next rounds need not look at: from the shortest edges up.
@@ -55,19 +56,34 @@ TriangleMesh remesh(Backend& backend, const FieldView& field, const SizeView& si
   return make_mesh(remesh_base(backend, {field, sizes, places, false}, mesh));
 }
 
-std::vector<CarefulPlace> places_of(const TriangleMesh& mesh, std::span<const TrianglePair> pairs,
-                                    float radius, float factor) {
-  std::vector<CarefulPlace> places;
+TriangleMesh remesh_places(Backend& backend, const FieldView& field, const SizeView& sizes,
+                           const TriangleMesh& mesh, std::span<const CarefulPlace> places) {
+  const RemeshGoal goal = {field, sizes, places, true};
+  WorkingSurface surface = make_working_surface(backend, goal, mesh);
+  run_rounds(backend, goal, kPlaceRounds, kRepairedRounds, surface);
+  finish(backend, goal, surface);
+  return make_mesh(surface);
+}
+
+std::vector<Vec3> centres_of(const TriangleMesh& mesh, std::span<const TrianglePair> pairs) {
+  std::vector<Vec3> centres;
   for (const TrianglePair& pair : pairs) {
     Vec3 centre;
     for (std::uint32_t t : {pair.first, pair.second})
       for (std::size_t i = 0; i < 3; ++i)
         centre = centre + (1.0f / 6) * vertex_at(mesh, mesh.triangles[3 * std::size_t{t} + i]);
-    bool covered = false;
-    for (const CarefulPlace& place : places)
-      covered |= squared_norm(centre - place.centre) < 0.25f * radius * radius;
-    if (!covered) places.push_back({centre, radius, factor});
+    centres.push_back(centre);
   }
+  return centres;
+}
+
+std::vector<CarefulPlace> places_at(std::span<const Vec3> points, float radius, float factor) {
+  std::vector<CarefulPlace> places;
+  for (const Vec3& p : points)
+    if (std::none_of(places.begin(), places.end(), [&](const CarefulPlace& place) {
+          return squared_norm(p - place.centre) < 0.25f * (radius * radius);
+        }))
+      places.push_back({p, radius, factor});
   return places;
 }
 
