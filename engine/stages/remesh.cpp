@@ -28,7 +28,6 @@ void run_rounds(Backend& backend, const RemeshGoal& goal, int rounds, int repair
   for (int round = 0; round < rounds; ++round)
     for_each_block(backend, {kBlock, 0.2f * static_cast<float>(round)}, surface,
                    [&](PatchMesh& part) {
-                     if (!goal.wants(part)) return;
                      split_long_edges(part, goal, kLongest);
                      collapse_short_edges(part, kShortest, kLongest);
                      flip_to_valence(part, 3);
@@ -53,12 +52,14 @@ WorkingSurface remesh_base(Backend& backend, const RemeshGoal& goal, const Trian
 
 TriangleMesh remesh(Backend& backend, const FieldView& field, const SizeView& sizes,
                     const TriangleMesh& mesh, std::span<const CarefulPlace> places) {
-  return make_mesh(remesh_base(backend, {field, sizes, places, false}, mesh));
+  const Places careful(places);
+  return make_mesh(remesh_base(backend, {field, sizes, &careful, false}, mesh));
 }
 
 TriangleMesh remesh_places(Backend& backend, const FieldView& field, const SizeView& sizes,
                            const TriangleMesh& mesh, std::span<const CarefulPlace> places) {
-  const RemeshGoal goal = {field, sizes, places, true};
+  const Places careful(places);
+  const RemeshGoal goal = {field, sizes, &careful, true};
   WorkingSurface surface = make_working_surface(backend, goal, mesh);
   run_rounds(backend, goal, kPlaceRounds, kRepairedRounds, surface);
   finish(backend, goal, surface);
@@ -75,16 +76,6 @@ std::vector<Vec3> centres_of(const TriangleMesh& mesh, std::span<const TriangleP
     centres.push_back(centre);
   }
   return centres;
-}
-
-std::vector<CarefulPlace> places_at(std::span<const Vec3> points, float radius, float factor) {
-  std::vector<CarefulPlace> places;
-  for (const Vec3& p : points)
-    if (std::none_of(places.begin(), places.end(), [&](const CarefulPlace& place) {
-          return squared_norm(p - place.centre) < 0.25f * (radius * radius);
-        }))
-      places.push_back({p, radius, factor});
-  return places;
 }
 
 }  // namespace vasamesh

@@ -39,7 +39,4 @@ TriangleMesh remesh_places(Backend& backend, const FieldView& field, const SizeV
 /// The middles of the pairs' six corners.
 std::vector<Vec3> centres_of(const TriangleMesh& mesh, std::span<const TrianglePair> pairs);
 
-/// Balls round the points: one for each that no ball before it covers to half its radius.
-std::vector<CarefulPlace> places_at(std::span<const Vec3> points, float radius, float factor);
-
 }  // namespace vasamesh

@@ -7,6 +7,7 @@
 #include "stages/approach.h"
 #include "stages/distance.h"
 #include "stages/patch_rules.h"
+#include "stages/places.h"
 #include "stages/remesh.h"
 #include "types/mesh_vertex.h"
 
