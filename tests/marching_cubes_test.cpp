@@ -87,28 +87,27 @@ std::vector<std::array<float, 3>> sorted_vertices(const TriangleMesh& mesh) {
   return vertices;
 }
 
-/// Polygons that are not plane may be cut along other diagonals.
-void expect_same(const DenseVolume& volume, double largest, double mean) {
+/// All of VTK's surface is in the lattice's, which has polygons that are not plane cut in all ways.
+void expect_covered(const DenseVolume& volume, double thickness) {
   const TriangleMesh mesh = from_lattice(volume);
   const TriangleMesh wanted = marching_cubes({volume.view().geometry, volume.voxels});
   EXPECT_EQ(sorted_vertices(mesh), sorted_vertices(wanted));
   const auto backend = make_tbb_backend(2, nullptr);
   const DistanceReport distance = measure_distance(*backend, mesh, wanted, 1, 0.1);
-  for (const OneWayDistance& way : {distance.to, distance.back}) {
-    EXPECT_LT(way.maximum, largest);
-    EXPECT_LT(way.mean, mean);
-  }
+  EXPECT_LT(distance.back.maximum, 1e-5);
+  EXPECT_LT(distance.to.maximum, thickness);
+  EXPECT_LT(distance.to.mean, 0.2 * thickness);
 }
 
-TEST(MarchingCubes, TheLatticesSurfaceIsTheSame) {
+TEST(MarchingCubes, TheLatticesSurfaceCoversIt) {
   const Segmentation smooth = ball({1, 0, 0, 0, 1, 0, 0, 0, 1});
   DenseVolume volume({20, 21, 22});
   volume.voxels = smooth.voxels;
-  expect_same(volume, 0.3, 0.007);
+  expect_covered(volume, 0.3);
   unsigned seed = 0;
   for (const double density : {0.02, 0.2, 0.5, 0.8, 0.97}) {
     SCOPED_TRACE(density);
-    expect_same(random_volume({19, 14, 11}, density, ++seed), 0.55, 0.045);
+    expect_covered(random_volume({19, 14, 11}, density, ++seed), 0.5);
   }
 }
 

@@ -258,7 +258,7 @@ TEST(Remesh, PlacesCoverThePairs) {
       mesh.vertices.insert(mesh.vertices.end(), {x, static_cast<float>(i), 0});
   mesh.triangles = {0, 1, 2, 3, 4, 5, 6, 7, 8};
   const std::vector<TrianglePair> pairs = {{0, 1}, {1, 1}, {2, 2}};
-  const std::vector<CarefulPlace> places = places_of(mesh, pairs, 2, 0.5f);
+  const std::vector<CarefulPlace> places = places_at(centres_of(mesh, pairs), 2, 0.5f);
   ASSERT_EQ(places.size(), 2u);
   EXPECT_NEAR(places[0].centre.x, 0.25f, 1e-5);
   EXPECT_NEAR(places[1].centre.x, 20, 1e-4);

@@ -7,9 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "stages/approach.h"
 #include "stages/curvature.h"
-#include "stages/distance.h"
 #include "stages/expand.h"
 #include "stages/finish.h"
 #include "stages/hard.h"
@@ -17,6 +15,7 @@
 #include "stages/lattice.h"
 #include "stages/pinches.h"
 #include "stages/remesh.h"
+#include "stages/settle.h"
 #include "stages/solid_surface.h"
 #include "stages/stitch.h"
 #include "types/mesh_vertex.h"
@@ -33,9 +32,6 @@ constexpr double kCountTolerance = 0.1;  // of the triangles that are asked for
 constexpr float kRemeshFactors[] = {0.5f, 0};
 constexpr float kFactors[] = {0.7f, 0.5f, 0.35f, 0};  // of the edges in a place, failure by failure
 constexpr float kPlace = 2.5f, kMargin = 1.2f;  // edge_max: a place's radius, the front's room
-constexpr float kFarShare = 0.94f;   // of the distance limit: what is too far from marching cubes
-constexpr float kNearShare = 0.85f;  // the same: how near the surface is brought to them
-constexpr float kStray = 0.4f;       // voxel lengths: of a vertex from the base surface, at most
 constexpr float kLeastEdge = 0.05f, kLongestEdge = 100;  // voxel lengths
 constexpr std::uint32_t kNoVertex = 0xffffffffu;
 
@@ -203,12 +199,11 @@ Verdict Polygonizer::judge(const CheckReport& check) {
     plan_after(defects(check));
     return Verdict::refuse;
   }
-  const std::vector<Vec3> far = astray();
-  if (far.empty() && count_is_right(check.triangles)) return Verdict::take;
-  const bool best = !proven_ || far.size() < least_astray_;
+  if (astray_.empty() && count_is_right(check.triangles)) return Verdict::take;
+  const bool best = !proven_ || astray_.size() < least_astray_;
   proven_ = true;
-  if (best) least_astray_ = far.size();
-  if (!far.empty()) plan_after(far);
+  if (best) least_astray_ = astray_.size();
+  if (!astray_.empty()) plan_after(astray_);
   return best ? Verdict::keep : Verdict::refuse;
 }
 
@@ -275,7 +270,7 @@ TriangleMesh Polygonizer::expanded() {
   if (!part.triangles.empty()) patches = remesh(backend_, field_.view(), sizes_.view(field_), part);
   const TriangleMesh mesh = front_over(patches);
   scheduler_.begin("finish", Stage::mesh);
-  return approached(finish(backend_, field_.view(), sizes_.view(field_), mesh));
+  return settled(finish(backend_, field_.view(), sizes_.view(field_), mesh));
 }
 
 /// The last surface with the fresh places cut out, the base surface remeshed in their middle, and
@@ -302,7 +297,7 @@ TriangleMesh Polygonizer::redone() {
   std::vector<CarefulPlace> round = where_base_stays(places_);
   for (const CarefulPlace& place : fresh)
     if (place.factor > 0) round.push_back({place.centre, place.radius + 2 * margin, 1});
-  return approached(finish(backend_, field_.view(), sizes_.view(field_), mesh, round));
+  return settled(finish(backend_, field_.view(), sizes_.view(field_), mesh, round));
 }
 
 /// The front round the patches, its gaps stitched.
@@ -326,30 +321,16 @@ TriangleMesh Polygonizer::front_over(const TriangleMesh& patches) {
 TriangleMesh Polygonizer::remeshed() {
   scheduler_.begin("remesh", Stage::mesh);
   report_.hard_share = 1;
-  return approached(remesh(backend_, field_.view(), sizes_.view(field_), base_, places_));
+  return settled(remesh(backend_, field_.view(), sizes_.view(field_), base_, places_));
 }
 
-/// The surface, its vertices brought back to the base surface, and it to the segmentation's
-/// marching cubes, where they are too far.
-TriangleMesh Polygonizer::approached(TriangleMesh mesh) {
-  const FieldView field = field_.view();
-  const SizeView sizes = sizes_.view(field_);
-  const float near = kNearShare * limit_;
-  mesh = bring_back(backend_, field, sizes, base_, base_tree_, kStray, std::move(mesh));
-  mesh = bring_back(backend_, field, sizes, solid_, solid_tree_, near, std::move(mesh));
-  const std::vector<Vec3> far =
-      points_beyond(backend_, near, solid_, mesh, build_triangle_tree(backend_, mesh));
-  return approach(backend_, field, sizes, far, near, std::move(mesh));
-}
-
-/// Where the last surface and the segmentation's marching cubes are too far from each other.
-std::vector<Vec3> Polygonizer::astray() const {
-  const float far = kFarShare * limit_;
-  std::vector<Vec3> found =
-      points_beyond(backend_, far, solid_, last_, build_triangle_tree(backend_, last_));
-  const std::vector<Vec3> own = points_beyond(backend_, far, last_, solid_, solid_tree_);
-  found.insert(found.end(), own.begin(), own.end());
-  return found;
+/// The surface, settled in the bounds.
+TriangleMesh Polygonizer::settled(TriangleMesh mesh) {
+  const Bounds bounds = {base_, base_tree_, solid_, solid_tree_, limit_};
+  Settled result = settle(backend_, field_.view(), sizes_.view(field_), bounds,
+                          kPlace * rule_.edge_max, std::move(mesh));
+  astray_ = std::move(result.far);
+  return std::move(result.mesh);
 }
 
 /// Where the last surface is open, has an edge of several triangles or meets itself; where none of
@@ -360,7 +341,7 @@ std::vector<Vec3> Polygonizer::defects(const CheckReport& check) const {
   if (check.intersecting_pairs > 0) {
     const Intersections pairs =
         find_intersections(backend_, last_, build_triangle_tree(backend_, last_));
-    for (const CarefulPlace& place : places_of(last_, pairs.pairs, 1, 1))
+    for (const CarefulPlace& place : places_at(centres_of(last_, pairs.pairs), 1, 1))
       found.push_back(place.centre);
   }
   return found.empty() ? curvature_differences(base_, last_) : found;

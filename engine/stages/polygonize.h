@@ -62,9 +62,8 @@ class Polygonizer {
   TriangleMesh expanded();
   TriangleMesh redone();
   TriangleMesh remeshed();
-  TriangleMesh approached(TriangleMesh mesh);
+  TriangleMesh settled(TriangleMesh mesh);
   TriangleMesh front_over(const TriangleMesh& patches);
-  std::vector<Vec3> astray() const;
   std::vector<Vec3> defects(const CheckReport& check) const;
   void note(const std::vector<Vec3>& defects, std::span<const float> factors);
   void plan_after(const std::vector<Vec3>& defects);
@@ -86,8 +85,9 @@ class Polygonizer {
   SizeField sizes_;
   Plan plan_ = Plan::expand;
   int aims_ = 0;
-  bool proven_ = false;  ///< some surface was
-  int failures_ = 0;     ///< of the plan
+  bool proven_ = false;       ///< some surface was
+  int failures_ = 0;          ///< of the plan
+  std::vector<Vec3> astray_;  ///< where the last surface and the segmentation are too far apart
   std::size_t least_astray_ = 0;
   std::vector<CarefulPlace> places_;  ///< where attempts have failed
   std::size_t first_fresh_ = 0;       ///< of the places: those of the last attempt follow

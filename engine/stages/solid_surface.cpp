@@ -46,6 +46,35 @@ class FaceNumbers {
   std::vector<std::uint32_t> first_;
 };
 
+/// Whether the corners of a polygon (of kCubeFaces) lie in a plane, whatever the spacings.
+bool is_plane(const std::array<int, 12>& polygon, int size) {
+  const auto corner = [&](int k) {
+    return kCubeFaces[static_cast<std::size_t>(polygon[static_cast<std::size_t>(k)])];
+  };
+  const auto from_first = [&](int k) {
+    const NodeOffset a = corner(0), b = corner(k);
+    return std::array{b.x - a.x, b.y - a.y, b.z - a.z};
+  };
+  const auto [ax, ay, az] = from_first(1);
+  const auto [bx, by, bz] = from_first(2);
+  const int nx = ay * bz - az * by, ny = az * bx - ax * bz, nz = ax * by - ay * bx;
+  for (int k = 3; k < size; ++k) {
+    const auto [cx, cy, cz] = from_first(k);
+    if (nx * cx + ny * cy + nz * cz != 0) return false;
+  }
+  return true;
+}
+
+/// visit(i, j, k) for the triangles of a polygon's corners that are wanted: a fan if it is plane,
+/// else all.
+template <class Visit>
+void for_each_triangle(const std::array<int, 12>& polygon, int size, const Visit& visit) {
+  const int first_end = is_plane(polygon, size) ? 1 : size;
+  for (int i = 0; i < first_end; ++i)
+    for (int j = i + 1; j < size; ++j)
+      for (int k = j + 1; k < (first_end == 1 ? std::min(j + 2, size) : size); ++k) visit(i, j, k);
+}
+
 /// The triangles of the cubes round a brick's lattice corners.
 void add_polygons(const BrickView& bricks, View<const std::uint8_t> state, std::size_t brick,
                   const FaceNumbers& faces, std::vector<std::uint32_t>& triangles) {
@@ -62,8 +91,9 @@ void add_polygons(const BrickView& bricks, View<const std::uint8_t> state, std::
         return faces.at(
             node(kCubeFaces[static_cast<std::size_t>(polygon[static_cast<std::size_t>(k)])]));
       };
-      for (int k = 2; k < size; ++k)
-        triangles.insert(triangles.end(), {vertex(0), vertex(k - 1), vertex(k)});
+      for_each_triangle(polygon, size, [&](int i, int j, int k) {
+        triangles.insert(triangles.end(), {vertex(i), vertex(j), vertex(k)});
+      });
     });
   }
 }

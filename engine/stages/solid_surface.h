@@ -11,9 +11,10 @@
 
 namespace vasamesh {
 
-/// The surface in voxel lengths (padded voxel units times `scale`): the centres of the faces
-/// between object and background, in the order of their nodes, and the cubes' polygons, each cut
-/// into a fan. The triangles face neither in nor out.
+/// The surface in voxel lengths (padded voxel units times `scale`): the centres of the faces between
+/// object and background, in the order of their nodes, and the cubes' polygons. Programs cut
+/// polygons that are not plane along different diagonals: all triangles of their corners are given,
+/// so that any program's surface is part of this one. The triangles face neither in nor out.
 TriangleMesh marching_cubes_of(Backend& backend, const Lattice& lattice, const Scale& scale);
 
 }  // namespace vasamesh
