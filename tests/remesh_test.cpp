@@ -70,6 +70,17 @@ TEST(Remesh, ARingKeepsItsHandle) {
   expect_good_remesh(scene, scene.remeshed());
 }
 
+TEST(Remesh, AThinRingTakesNoMoreTrianglesThanItsSizesAskFor) {
+  for (const float radius : {0.6f, 0.7f, 0.8f}) {
+    SCOPED_TRACE(radius);
+    const Scene scene({36, 36, 16}, ring({18, 18, 8}, 11, radius));
+    const TriangleMesh mesh = scene.remeshed();
+    expect_good_remesh(scene, mesh);
+    EXPECT_NEAR(static_cast<double>(mesh.triangle_count()) / scene.sizes.predicted_triangles, 1,
+                0.12);
+  }
+}
+
 TEST(Remesh, EdgesFollowTheRadiusOfATaperedTube) {
   // From radius 1.5 to 5 along 40 lengths: h from about 0.9 to 3.
   SizeRule rule;
