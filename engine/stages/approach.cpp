@@ -268,14 +268,15 @@ struct StrayVertex {
   Vec3 from, to;
 };
 
-/// The vertices farther from another surface than they may be; of those in the places, if any.
+/// The vertices farther from another surface than they may be; of those near the places, if any.
 std::vector<StrayVertex> stray_vertices(Backend& backend, const TriangleMesh& origin,
                                         const TriangleTree& tree, float farthest,
                                         const Places& places, const TriangleMesh& mesh) {
   std::vector<Vec3> vertices;
   for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
-    if (const Vec3 p = vertex_at(mesh, v); places.empty() || places.hold(p)) vertices.push_back(p);
-  const NearestTriangles nearest = nearest_triangles(backend, vertices, origin, tree);
+    if (const Vec3 p = vertex_at(mesh, v); places.empty() || places.hold(p, Places::kMargin))
+      vertices.push_back(p);
+  const NearestTriangles nearest = nearest_triangles(backend, vertices, origin, tree, farthest);
   std::vector<StrayVertex> strays;
   for (std::size_t v = 0; v < vertices.size(); ++v) {
     if (!(nearest.distances[v] > farthest)) continue;
@@ -300,8 +301,8 @@ Places places_of(const std::vector<StrayVertex>& strays) {
 
 TriangleMesh bring_back(Backend& backend, const FieldView& field, const SizeView& sizes,
                         const TriangleMesh& origin, const TriangleTree& tree, float farthest,
-                        TriangleMesh mesh) {
-  Places places;
+                        TriangleMesh mesh, const Places& within) {
+  Places places = within;
   for (int round = 0; round < kReturns; ++round) {
     const std::vector<StrayVertex> strays =
         stray_vertices(backend, origin, tree, farthest, places, mesh);

@@ -294,10 +294,12 @@ TriangleMesh Polygonizer::redone() {
   const TriangleMesh mesh = front_over(patches);
 
   scheduler_.begin("finish", Stage::mesh);
-  std::vector<CarefulPlace> round = where_base_stays(places_);
-  for (const CarefulPlace& place : fresh)
-    if (place.factor > 0) round.push_back({place.centre, place.radius + 2 * margin, 1});
-  return settled(finish(backend_, field_.view(), sizes_.view(field_), mesh, round));
+  std::vector<CarefulPlace> round = where_base_stays(places_), changed;
+  for (const CarefulPlace& place : fresh) {
+    changed.push_back({place.centre, place.radius + 2 * margin, 1});
+    if (place.factor > 0) round.push_back(changed.back());
+  }
+  return settled(finish(backend_, field_.view(), sizes_.view(field_), mesh, round), changed);
 }
 
 /// The front round the patches, its gaps stitched.
@@ -324,11 +326,11 @@ TriangleMesh Polygonizer::remeshed() {
   return settled(remesh(backend_, field_.view(), sizes_.view(field_), base_, places_));
 }
 
-/// The surface, settled in the bounds.
-TriangleMesh Polygonizer::settled(TriangleMesh mesh) {
+/// The surface, settled in the bounds. If there are places, it is the last one away from them.
+TriangleMesh Polygonizer::settled(TriangleMesh mesh, std::span<const CarefulPlace> within) {
   const Bounds bounds = {base_, base_tree_, solid_, solid_tree_, limit_};
   Settled result = settle(backend_, field_.view(), sizes_.view(field_), bounds,
-                          kPlace * rule_.edge_max, std::move(mesh));
+                          kPlace * rule_.edge_max, std::move(mesh), within, astray_);
   astray_ = std::move(result.far);
   return std::move(result.mesh);
 }

@@ -62,7 +62,7 @@ class Polygonizer {
   TriangleMesh expanded();
   TriangleMesh redone();
   TriangleMesh remeshed();
-  TriangleMesh settled(TriangleMesh mesh);
+  TriangleMesh settled(TriangleMesh mesh, std::span<const CarefulPlace> within = {});
   TriangleMesh front_over(const TriangleMesh& patches);
   std::vector<Vec3> defects(const CheckReport& check) const;
   void note(const std::vector<Vec3>& defects, std::span<const float> factors);

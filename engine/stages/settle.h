@@ -5,6 +5,7 @@
 /// where that leaves it too far or makes triangles with small angles, remeshed there with shorter
 /// edges, and brought near again.
 
+#include <span>
 #include <vector>
 
 #include "backend/backend.h"
@@ -32,9 +33,12 @@ struct Settled {
 
 /// \param mesh  closed, manifold, in voxel lengths, counter-clockwise from outside.
 /// \param radius  of the places that are remeshed, voxel lengths.
+/// \param within  if not empty: the places in which the mesh is new; elsewhere it has settled
+///        before, and left `far`.
 /// \return the best of its rounds: the fewest points too far, then the fewest triangles with angles
 ///         below 20 degrees. The topology is the mesh's.
 Settled settle(Backend& backend, const FieldView& field, const SizeView& sizes,
-               const Bounds& bounds, float radius, TriangleMesh mesh);
+               const Bounds& bounds, float radius, TriangleMesh mesh,
+               std::span<const CarefulPlace> within, const std::vector<Vec3>& far);
 
 }  // namespace vasamesh
