@@ -7,11 +7,10 @@
 #include <string>
 #include <utility>
 
-#include "stages/curvature.h"
+#include "stages/defects.h"
 #include "stages/expand.h"
 #include "stages/finish.h"
 #include "stages/hard.h"
-#include "stages/intersect.h"
 #include "stages/lattice.h"
 #include "stages/mesh_parts.h"
 #include "stages/pinches.h"
@@ -87,25 +86,6 @@ double area_of(const TriangleMesh& mesh) {
   return area;
 }
 
-/// The first vertices of the edges that have not one triangle on each side.
-std::vector<std::uint32_t> bad_edges(const TriangleMesh& mesh) {
-  std::vector<std::uint64_t> edges;
-  edges.reserve(mesh.triangles.size());
-  for (std::size_t t = 0; t < mesh.triangle_count(); ++t)
-    for (std::size_t i = 0; i < 3; ++i)
-      edges.push_back(std::uint64_t{mesh.triangles[3 * t + i]} << 32 |
-                      mesh.triangles[3 * t + (i + 1) % 3]);
-  std::sort(edges.begin(), edges.end());
-  std::vector<std::uint32_t> bad;
-  for (std::size_t i = 0; i < edges.size(); ++i) {
-    const std::uint64_t back = edges[i] << 32 | edges[i] >> 32;
-    const auto [first, last] = std::equal_range(edges.begin(), edges.end(), back);
-    if (last - first != 1 || (i > 0 && edges[i] == edges[i - 1]))
-      bad.push_back(static_cast<std::uint32_t>(edges[i] >> 32));
-  }
-  return bad;
-}
-
 }  // namespace
 
 Polygonizer::Polygonizer(Scheduler& scheduler, const Lattice& lattice,
@@ -172,7 +152,7 @@ std::optional<TriangleMesh> Polygonizer::next() {
 
 Verdict Polygonizer::judge(const CheckReport& check) {
   if (!check.passed) {
-    plan_after(defects(check));
+    plan_after(find_defects(backend_, base_, base_tree_, last_, check.intersecting_pairs > 0));
     return Verdict::refuse;
   }
   if (astray_.empty() && count_is_right(check.triangles)) return Verdict::take;
@@ -246,6 +226,7 @@ TriangleMesh Polygonizer::expanded() {
   if (!part.triangles.empty()) patches = remesh(backend_, field_.view(), sizes_.view(field_), part);
   const TriangleMesh mesh = front_over(patches);
   scheduler_.begin("finish", Stage::mesh);
+  settled_ = false;
   return settled(finish(backend_, field_.view(), sizes_.view(field_), mesh));
 }
 
@@ -270,12 +251,12 @@ TriangleMesh Polygonizer::redone() {
   const TriangleMesh mesh = front_over(patches);
 
   scheduler_.begin("finish", Stage::mesh);
-  std::vector<CarefulPlace> round = where_base_stays(places_), changed;
+  std::vector<CarefulPlace> round = where_base_stays(places_);
   for (const CarefulPlace& place : fresh) {
-    changed.push_back({place.centre, place.radius + 2 * margin, 1});
-    if (place.factor > 0) round.push_back(changed.back());
+    changed_.push_back({place.centre, place.radius + 2 * margin, 1});
+    if (place.factor > 0) round.push_back(changed_.back());
   }
-  return settled(finish(backend_, field_.view(), sizes_.view(field_), mesh, round), changed);
+  return settled(finish(backend_, field_.view(), sizes_.view(field_), mesh, round));
 }
 
 /// The front round the patches, its gaps stitched.
@@ -299,30 +280,22 @@ TriangleMesh Polygonizer::front_over(const TriangleMesh& patches) {
 TriangleMesh Polygonizer::remeshed() {
   scheduler_.begin("remesh", Stage::mesh);
   report_.hard_share = 1;
+  settled_ = false;
   return settled(remesh(backend_, field_.view(), sizes_.view(field_), base_, places_));
 }
 
-/// The surface, settled in the bounds. If there are places, it is the last one away from them.
-TriangleMesh Polygonizer::settled(TriangleMesh mesh, std::span<const CarefulPlace> within) {
+/// The surface, settled in the bounds where it has changed since the last that was; as it is where
+/// its topology is wrong, since it fails its proof and is made again.
+TriangleMesh Polygonizer::settled(TriangleMesh mesh) {
+  if (!has_topology_of(base_, mesh)) return mesh;
   const Bounds bounds = {base_, base_tree_, solid_, solid_tree_, limit_};
+  const std::span<const CarefulPlace> within = settled_ ? changed_ : std::span<CarefulPlace>();
   Settled result = settle(backend_, field_.view(), sizes_.view(field_), bounds,
                           kPlace * rule_.edge_max, std::move(mesh), within, astray_);
   astray_ = std::move(result.far);
+  settled_ = true;
+  changed_.clear();
   return std::move(result.mesh);
-}
-
-/// Where the last surface is open, has an edge of several triangles or meets itself; where none of
-/// these explains its topology, where its curvature is not the base surface's.
-std::vector<Vec3> Polygonizer::defects(const CheckReport& check) const {
-  std::vector<Vec3> found;
-  for (const std::uint32_t v : bad_edges(last_)) found.push_back(vertex_at(last_, v));
-  if (check.intersecting_pairs > 0) {
-    const Intersections pairs =
-        find_intersections(backend_, last_, build_triangle_tree(backend_, last_));
-    for (const CarefulPlace& place : places_at(centres_of(last_, pairs.pairs), 1, 1))
-      found.push_back(place.centre);
-  }
-  return found.empty() ? curvature_differences(base_, last_) : found;
 }
 
 TriangleMesh Polygonizer::in_voxels(TriangleMesh mesh) const {

@@ -62,9 +62,8 @@ class Polygonizer {
   TriangleMesh expanded();
   TriangleMesh redone();
   TriangleMesh remeshed();
-  TriangleMesh settled(TriangleMesh mesh, std::span<const CarefulPlace> within = {});
+  TriangleMesh settled(TriangleMesh mesh);
   TriangleMesh front_over(const TriangleMesh& patches);
-  std::vector<Vec3> defects(const CheckReport& check) const;
   void note(const std::vector<Vec3>& defects, std::span<const float> factors);
   void plan_after(const std::vector<Vec3>& defects);
   void start_over(Plan plan);
@@ -92,6 +91,8 @@ class Polygonizer {
   std::vector<CarefulPlace> places_;  ///< where attempts have failed
   std::size_t first_fresh_ = 0;       ///< of the places: those of the last attempt follow
   TriangleMesh last_;                 ///< voxel lengths
+  bool settled_ = false;              ///< the last surface is, but in
+  std::vector<CarefulPlace> changed_;
   MeshReport report_;
 };
 
