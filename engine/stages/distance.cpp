@@ -243,7 +243,7 @@ NearestTriangles nearest_triangles(Backend& backend, std::span<const Vec3> point
 namespace {
 
 constexpr float kUnknown = -1;   // distance
-constexpr float kFinest = 0.3f;  // edge length that is not halved any more
+constexpr float kFinest = 0.2f;  // edge length that is not halved any more
 
 /// A triangle with its corners' distances, or bounds of them from above.
 struct Sampled {

@@ -41,7 +41,7 @@ DistanceReport measure_distance(Backend& backend, const TriangleMesh& surface,
 
 /// Points of one surface that are farther than `limit` from another: its vertices, and the middles
 /// of the edges of its triangles, quartered as often as is needed to leave out no part longer than
-/// 0.3; in their unit, each once. Of triangles near the places alone, if there are any.
+/// 0.2; in their unit, each once. Of triangles near the places alone, if there are any.
 /// \pre as for distances_to.
 std::vector<Vec3> points_beyond(Backend& backend, float limit, const TriangleMesh& from,
                                 const TriangleMesh& to, const TriangleTree& tree,

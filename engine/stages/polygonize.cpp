@@ -16,7 +16,6 @@
 #include "stages/pinches.h"
 #include "stages/remesh.h"
 #include "stages/settle.h"
-#include "stages/solid_surface.h"
 #include "stages/stitch.h"
 #include "types/mesh_vertex.h"
 #include "vasamesh/errors.h"
@@ -104,7 +103,7 @@ Polygonizer::Polygonizer(Scheduler& scheduler, const Lattice& lattice,
   scheduler_.begin("sizes", Stage::mesh);
   base_tree_ = build_triangle_tree(backend_, base_);
   solid_ = marching_cubes_of(backend_, lattice, scale);
-  solid_tree_ = build_triangle_tree(backend_, solid_);
+  solid_tree_ = build_triangle_tree(backend_, solid_.common);
   field_ = make_field(backend_, lattice, size, scale);
   sizes_ = make_sizes(backend_, field_, base_, rule_);
   if (wanted_triangles_ > 0) aim(wanted_triangles_);

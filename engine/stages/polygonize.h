@@ -18,6 +18,7 @@
 #include "scheduler.h"
 #include "stages/field.h"
 #include "stages/sizing.h"
+#include "stages/solid_surface.h"
 #include "stages/triangle_tree.h"
 #include "types/lattice.h"
 #include "vasamesh/parameters.h"
@@ -77,9 +78,9 @@ class Polygonizer {
   double wanted_triangles_ = 0;  ///< 0: as many as the rule gives
   TriangleMesh base_;            ///< voxel lengths
   TriangleTree base_tree_;
-  TriangleMesh solid_;  ///< the segmentation's marching-cubes surface, voxel lengths
-  TriangleTree solid_tree_;
-  float limit_ = 0;  ///< that the surface may be from it
+  SolidSurface solid_;       ///< the segmentation's, voxel lengths
+  TriangleTree solid_tree_;  ///< of what its surfaces have in common
+  float limit_ = 0;          ///< that the surface may be from it
   IndicatorField field_;
   SizeField sizes_;
   Plan plan_ = Plan::expand;

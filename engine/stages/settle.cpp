@@ -21,14 +21,17 @@ namespace vasamesh {
 
 namespace {
 
-constexpr float kFarShare = 0.94f;   // of the limit: what is too far
+constexpr float kFarShare = 0.93f;   // of the limit: what of marching cubes is too far
+constexpr float kMostShare = 0.97f;  // of the limit: what of the surface is too far from them
 constexpr float kNearShare = 0.85f;  // of the limit: how near the surface is brought
 constexpr float kStray = 0.4f;       // voxel lengths: of a vertex from the base surface, at most
-constexpr float kSpread = 4;         // voxel lengths beyond a place in which its work is looked at
-constexpr float kCollar = 12;        // the same: of the surface that is cut out for it
+constexpr float kSpread = 2;         // voxel lengths beyond a place up to which its faults may move
+constexpr float kReach = 2;          // beyond the places of a try up to which its work is looked at
+constexpr float kCollar = 6;         // beyond that, of the surface that is cut out
 // Of the edges in the middle of a place, try by try, and how they grow from there out.
 constexpr float kFactors[] = {0.8f, 0.55f, 0.7f, 1, 0.8f, 0.6f, 0.35f, 0.6f, 1.3f, 0.25f, 0.8f, 1};
-constexpr std::size_t kChain = 3;  // tries
+constexpr std::size_t kChain = 3;         // tries
+constexpr std::size_t kMostPlaces = 256;  // that are mended; the worst come first
 constexpr float kGrowth[] = {1, 1.35f, 1.7f, 2.2f};
 
 /// What is wrong with a surface, and where.
@@ -109,7 +112,7 @@ class Settling {
     const float near = kNearShare * bounds_.limit;
     mesh = bring_back(backend_, field_, sizes_, bounds_.base, bounds_.base_tree, kStray,
                       std::move(mesh), places);
-    mesh = bring_back(backend_, field_, sizes_, bounds_.solid, bounds_.solid_tree, near,
+    mesh = bring_back(backend_, field_, sizes_, bounds_.solid.common, bounds_.solid_tree, near,
                       std::move(mesh), places);
     const std::vector<Vec3> far =
         points_beyond(backend_, near, solid, mesh, build_triangle_tree(backend_, mesh), places);
@@ -120,15 +123,15 @@ class Settling {
   /// \param places  if any: where the mesh is new. \param known  points too far before.
   Faults faults_of(const TriangleMesh& mesh, const TriangleMesh& solid, const Places& places,
                    const std::vector<Vec3>& known) const {
-    const float most = kFarShare * bounds_.limit;
     Faults faults;
     if (!places.empty())
       std::copy_if(known.begin(), known.end(), std::back_inserter(faults.far),
                    [&](const Vec3& p) { return !places.hold(p, Places::kMargin); });
     const TriangleTree tree = build_triangle_tree(backend_, mesh);
     for (const std::vector<Vec3>& found :
-         {points_beyond(backend_, most, solid, mesh, tree, places),
-          points_beyond(backend_, most, mesh, bounds_.solid, bounds_.solid_tree, places)})
+         {points_beyond(backend_, kFarShare * bounds_.limit, solid, mesh, tree, places),
+          points_beyond(backend_, kMostShare * bounds_.limit, mesh, bounds_.solid.common,
+                        bounds_.solid_tree, places)})
       faults.far.insert(faults.far.end(), found.begin(), found.end());
     faults.meeting = centres_of(mesh, find_intersections(backend_, mesh, tree).pairs);
     find_poor_triangles(mesh, faults);
@@ -138,9 +141,11 @@ class Settling {
   /// Tries to make a place better: chains of tries, each chain from the best so far.
   void mend(const CarefulPlace& place, Settled& settled) const {
     const std::span own(&place, 1);
-    const Places zone = wider(own, kCollar), reached = wider(own, kSpread);
+    const float reach = kSpread + place.radius + kReach;
+    const Places zone = wider(own, reach + kCollar), reached = wider(own, reach);
     const std::vector<std::uint8_t> chosen = triangles_in(backend_, zone, settled.mesh);
-    const TriangleMesh solid = part_of(bounds_.solid, triangles_in(backend_, zone, bounds_.solid));
+    const TriangleMesh solid =
+        part_of(bounds_.solid.all, triangles_in(backend_, zone, bounds_.solid.all));
     TriangleMesh best = part_of(settled.mesh, chosen);
     if (best.triangles.empty()) return;
     Faults fewest = faults_of(best, solid, reached, {});
@@ -152,7 +157,7 @@ class Settling {
         mesh = best;
         faults = fewest;
       }
-      const Places spots = i % kChain == 0 ? Places(own) : reached;
+      const Places spots = i % kChain == 0 ? Places(own) : wider(own, kSpread);
       const std::vector<CarefulPlace> places =
           places_at(faults.within(spots), place.radius, kFactors[i]);
       if (places.empty() && i % kChain == 0) break;
@@ -185,11 +190,13 @@ Settled settle(Backend& backend, const FieldView& field, const SizeView& sizes,
   if (mesh.triangles.empty()) return {std::move(mesh), {}};
   const Settling settling(backend, field, sizes, bounds);
   Settled settled;
-  settled.mesh = settling.approached(bounds.solid, Places(within), std::move(mesh));
-  const Faults faults = settling.faults_of(settled.mesh, bounds.solid, wider(within, kSpread), far);
+  settled.mesh = settling.approached(bounds.solid.all, Places(within), std::move(mesh));
+  const Faults faults =
+      settling.faults_of(settled.mesh, bounds.solid.all, wider(within, kReach), far);
   settled.far = faults.far;
-  for (const CarefulPlace& place : places_at(faults.within({}), radius, 1))
-    settling.mend(place, settled);
+  const std::vector<CarefulPlace> places = places_at(faults.within({}), radius, 1);
+  for (std::size_t i = 0; i < std::min(places.size(), kMostPlaces); ++i)
+    settling.mend(places[i], settled);
   return settled;
 }
 

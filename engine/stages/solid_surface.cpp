@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "types/lattice_access.h"
@@ -65,19 +66,32 @@ bool is_plane(const std::array<int, 12>& polygon, int size) {
   return true;
 }
 
-/// visit(i, j, k) for the triangles of a polygon's corners that are wanted: a fan if it is plane,
-/// else all.
-template <class Visit>
-void for_each_triangle(const std::array<int, 12>& polygon, int size, const Visit& visit) {
-  const int first_end = is_plane(polygon, size) ? 1 : size;
-  for (int i = 0; i < first_end; ++i)
-    for (int j = i + 1; j < size; ++j)
-      for (int k = j + 1; k < (first_end == 1 ? std::min(j + 2, size) : size); ++k) visit(i, j, k);
+/// The triangles of some bricks.
+struct Part {
+  std::vector<std::uint32_t> all, common;
+};
+
+/// Adds a polygon, given by its corners' numbers.
+void add_polygon(std::span<const std::uint32_t> corners, bool plane, Part& part) {
+  const std::size_t size = corners.size();
+  if (plane) {
+    for (std::size_t k = 2; k < size; ++k)
+      for (std::vector<std::uint32_t>* to : {&part.all, &part.common})
+        to->insert(to->end(), {corners[0], corners[k - 1], corners[k]});
+    return;
+  }
+  for (std::size_t i = 0; i < size; ++i) {
+    const std::uint32_t next = corners[(i + 1) % size];
+    part.common.insert(part.common.end(), {corners[i], next, next});
+    for (std::size_t j = i + 1; j < size; ++j)
+      for (std::size_t k = j + 1; k < size; ++k)
+        part.all.insert(part.all.end(), {corners[i], corners[j], corners[k]});
+  }
 }
 
-/// The triangles of the cubes round a brick's lattice corners.
+/// The polygons of the cubes round a brick's lattice corners.
 void add_polygons(const BrickView& bricks, View<const std::uint8_t> state, std::size_t brick,
-                  const FaceNumbers& faces, std::vector<std::uint32_t>& triangles) {
+                  const FaceNumbers& faces, Part& part) {
   const std::int32_t* near = bricks.neighbours.data() + 27 * brick;
   for (int corner = 0; corner < 64; ++corner) {
     const int x = 2 * (corner & 3), y = 2 * (corner >> 2 & 3), z = 2 * (corner >> 4);
@@ -87,32 +101,31 @@ void add_polygons(const BrickView& bricks, View<const std::uint8_t> state, std::
       return at == kNoNode ? std::uint8_t{0} : state[at];
     });
     cube.for_each_polygon([&](const std::array<int, 12>& polygon, int size) {
-      const auto vertex = [&](int k) {
-        return faces.at(
-            node(kCubeFaces[static_cast<std::size_t>(polygon[static_cast<std::size_t>(k)])]));
-      };
-      for_each_triangle(polygon, size, [&](int i, int j, int k) {
-        triangles.insert(triangles.end(), {vertex(i), vertex(j), vertex(k)});
-      });
+      std::array<std::uint32_t, 12> corners{};
+      for (std::size_t k = 0; k < static_cast<std::size_t>(size); ++k)
+        corners[k] = faces.at(node(kCubeFaces[static_cast<std::size_t>(polygon[k])]));
+      add_polygon(std::span(corners).first(static_cast<std::size_t>(size)), is_plane(polygon, size),
+                  part);
     });
   }
 }
 
 }  // namespace
 
-TriangleMesh marching_cubes_of(Backend& backend, const Lattice& lattice, const Scale& scale) {
+SolidSurface marching_cubes_of(Backend& backend, const Lattice& lattice, const Scale& scale) {
   const BrickView bricks = lattice.bricks.view();
   const auto state = lattice.state.view();
   const FaceNumbers faces(state);
-  TriangleMesh mesh;
-  mesh.vertices.resize(3 * faces.count());
-  std::vector<std::vector<std::uint32_t>> parts((bricks.count + kBricks - 1) / kBricks);
+  SolidSurface surface;
+  std::vector<float>& vertices = surface.all.vertices;
+  vertices.resize(3 * faces.count());
+  std::vector<Part> parts((bricks.count + kBricks - 1) / kBricks);
   backend.run(parts.size(), [&](std::size_t part) {
     for (std::size_t b = part * kBricks; b < std::min((part + 1) * kBricks, bricks.count); ++b) {
       const BrickCoord& brick = bricks.coords[b];
       faces.for_each_in(b, [&](std::size_t node) {
         const int cell = static_cast<int>(node % kBrickCells);
-        float* p = mesh.vertices.data() + 3 * std::size_t{faces.at(node)};
+        float* p = vertices.data() + 3 * std::size_t{faces.at(node)};
         p[0] = 0.5f * scale[0] * static_cast<float>(8 * brick.x + (cell & 7));
         p[1] = 0.5f * scale[1] * static_cast<float>(8 * brick.y + (cell >> 3 & 7));
         p[2] = 0.5f * scale[2] * static_cast<float>(8 * brick.z + (cell >> 6));
@@ -120,9 +133,13 @@ TriangleMesh marching_cubes_of(Backend& backend, const Lattice& lattice, const S
       add_polygons(bricks, state, b, faces, parts[part]);
     }
   });
-  for (const std::vector<std::uint32_t>& part : parts)
-    mesh.triangles.insert(mesh.triangles.end(), part.begin(), part.end());
-  return mesh;
+  surface.common.vertices = vertices;
+  for (const Part& part : parts) {
+    auto &all = surface.all.triangles, &common = surface.common.triangles;
+    all.insert(all.end(), part.all.begin(), part.all.end());
+    common.insert(common.end(), part.common.begin(), part.common.end());
+  }
+  return surface;
 }
 
 }  // namespace vasamesh

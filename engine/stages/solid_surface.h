@@ -11,10 +11,16 @@
 
 namespace vasamesh {
 
-/// The surface in voxel lengths (padded voxel units times `scale`): the centres of the faces between
-/// object and background, in the order of their nodes, and the cubes' polygons. Programs cut
-/// polygons that are not plane along different diagonals: all triangles of their corners are given,
-/// so that any program's surface is part of this one. The triangles face neither in nor out.
-TriangleMesh marching_cubes_of(Backend& backend, const Lattice& lattice, const Scale& scale);
+/// Programs cut polygons that are not plane along different diagonals. Between the two meshes lies
+/// the surface of any of them.
+struct SolidSurface {
+  TriangleMesh all;     ///< plane polygons as fans, of the others all triangles of their corners
+  TriangleMesh common;  ///< plane polygons as fans, of the others the sides: triangles without area
+};
+
+/// The surface in voxel lengths (padded voxel units times `scale`): the centres of the faces
+/// between object and background, in the order of their nodes (the vertices of both meshes), and
+/// the cubes' polygons. The triangles face neither in nor out.
+SolidSurface marching_cubes_of(Backend& backend, const Lattice& lattice, const Scale& scale);
 
 }  // namespace vasamesh
