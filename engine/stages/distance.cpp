@@ -242,21 +242,46 @@ NearestTriangles nearest_triangles(Backend& backend, std::span<const Vec3> point
 
 namespace {
 
-constexpr float kUnknown = -1;  // distance
+constexpr float kUnknown = -1;   // distance
+constexpr float kFinest = 0.3f;  // edge length that is not halved any more
 
-/// The middles of a triangle's edges and its centroid that may be farther than `limit`: no point is
-/// farther than a vertex and what lies between.
-void add_samples(const std::array<Vec3, 3>& corner, const std::array<float, 3>& distance,
-                 float limit, std::vector<Vec3>& samples) {
-  const Vec3 centroid = (1.0f / 3) * ((corner[0] + corner[1]) + corner[2]);
-  bool far = true;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const std::size_t j = (i + 1) % 3;
-    far = far && distance[i] + norm(centroid - corner[i]) > limit;
-    if (std::min(distance[i], distance[j]) + 0.5f * norm(corner[j] - corner[i]) > limit)
-      samples.push_back(0.5f * (corner[i] + corner[j]));
+/// A triangle with its corners' distances, or bounds of them from above.
+struct Sampled {
+  std::array<Vec3, 3> corner;
+  std::array<float, 3> distance;
+};
+
+/// Adds the points of a triangle, but its corners, that are farther than `limit`: it is quartered
+/// until no point of it can be, since none is farther than a corner and the way from it.
+void add_points_beyond(const Sampled& whole, float limit, float enough, Nearest& nearest,
+                       std::vector<Vec3>& found) {
+  std::array<Sampled, 3 * 16> stack;  // 3 a level stay; the edges halve from level to level
+  std::size_t size = 0;
+  stack[size++] = whole;
+  while (size > 0) {
+    const auto [corner, distance] = stack[--size];
+    const float longest = std::sqrt(
+        std::max({squared_norm(corner[1] - corner[0]), squared_norm(corner[2] - corner[1]),
+                  squared_norm(corner[0] - corner[2])}));
+    const float farthest = std::max({distance[0], distance[1], distance[2]});
+    constexpr float kReach = 0.57736f;  // of the longest edge: to the nearest corner, at most
+    if (farthest + kReach * longest <= limit || longest < kFinest || size + 4 > stack.size())
+      continue;
+    Sampled middle;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Vec3 p = 0.5f * (corner[(i + 1) % 3] + corner[(i + 2) % 3]);
+      const auto d = static_cast<float>(nearest.distance({p.x, p.y, p.z}, double{enough}));
+      if (d > limit) found.push_back(p);
+      middle.corner[i] = p;
+      middle.distance[i] = d;
+    }
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::size_t j = (i + 1) % 3, k = (i + 2) % 3;
+      stack[size++] = {{corner[i], middle.corner[k], middle.corner[j]},
+                       {distance[i], middle.distance[k], middle.distance[j]}};
+    }
+    stack[size++] = middle;
   }
-  if (far) samples.push_back(centroid);
 }
 
 }  // namespace
@@ -264,30 +289,27 @@ void add_samples(const std::array<Vec3, 3>& corner, const std::array<float, 3>& 
 std::vector<Vec3> points_beyond(Backend& backend, float limit, const TriangleMesh& from,
                                 const TriangleMesh& to, const TriangleTree& tree,
                                 const Places& places) {
-  constexpr float kEnough = 0.3f;  // of the limit: the samples round such a vertex are near, mostly
+  const float enough = 0.15f * limit;  // most points are as near as that
   std::vector<float> distances(from.vertex_count(), kUnknown);
   backend.run(parts_of(distances.size()), [&](std::size_t part) {
     Nearest nearest(to, tree);
     for (std::size_t v = part * kTriangles; v < part_end(part, distances.size()); ++v) {
       const Vec3 p = vertex_at(from, v);
       if (places.empty() || places.hold(p, Places::kMargin))
-        distances[v] = static_cast<float>(nearest.distance({p.x, p.y, p.z}, kEnough * limit));
+        distances[v] = static_cast<float>(nearest.distance({p.x, p.y, p.z}, double{enough}));
     }
   });
   std::vector<std::vector<Vec3>> parts(parts_of(from.triangle_count()));
   backend.run(parts.size(), [&](std::size_t part) {
-    std::vector<Vec3> samples;
+    Nearest nearest(to, tree);
     for (std::size_t t = part * kTriangles; t < part_end(part, from.triangle_count()); ++t) {
       const std::uint32_t* v = from.triangles.data() + 3 * t;
-      const std::array<float, 3> distance = {distances[v[0]], distances[v[1]], distances[v[2]]};
-      if (std::min({distance[0], distance[1], distance[2]}) != kUnknown)
-        add_samples({vertex_at(from, v[0]), vertex_at(from, v[1]), vertex_at(from, v[2])}, distance,
-                    limit, samples);
+      const Sampled triangle = {
+          {vertex_at(from, v[0]), vertex_at(from, v[1]), vertex_at(from, v[2])},
+          {distances[v[0]], distances[v[1]], distances[v[2]]}};
+      if (std::min({triangle.distance[0], triangle.distance[1], triangle.distance[2]}) != kUnknown)
+        add_points_beyond(triangle, limit, enough, nearest, parts[part]);
     }
-    Nearest nearest(to, tree);
-    for (const Vec3& p : samples)
-      if (static_cast<float>(nearest.distance({p.x, p.y, p.z}, double{limit})) > limit)
-        parts[part].push_back(p);
   });
   std::vector<Vec3> found;
   for (std::size_t v = 0; v < distances.size(); ++v)

@@ -39,9 +39,9 @@ struct DistanceReport {
 DistanceReport measure_distance(Backend& backend, const TriangleMesh& surface,
                                 const TriangleMesh& reference, double voxel, double step = 0.25);
 
-/// The points of one surface (its vertices, the middles of its edges, the centroids of its
-/// triangles) that are farther than `limit` from another, in their unit, each once. Of triangles
-/// near the places alone, if there are any.
+/// Points of one surface that are farther than `limit` from another: its vertices, and the middles
+/// of the edges of its triangles, quartered as often as is needed to leave out no part longer than
+/// 0.3; in their unit, each once. Of triangles near the places alone, if there are any.
 /// \pre as for distances_to.
 std::vector<Vec3> points_beyond(Backend& backend, float limit, const TriangleMesh& from,
                                 const TriangleMesh& to, const TriangleTree& tree,

@@ -50,11 +50,12 @@ bool Places::hold(const Vec3& p, float margin) const {
 }
 
 float Places::factor_at(const Vec3& p) const {
-  float factor = 1;
+  constexpr float kNone = 1e9f;
+  float factor = kNone;
   for_each_near(p, [&](const CarefulPlace& place) {
     if (place.holds(p)) factor = std::min(factor, place.factor);
   });
-  return factor;
+  return factor < kNone ? factor : 1;
 }
 
 bool Places::any_fixed() const {

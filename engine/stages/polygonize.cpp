@@ -12,6 +12,7 @@
 #include "stages/finish.h"
 #include "stages/hard.h"
 #include "stages/lattice.h"
+#include "stages/mesh_parts.h"
 #include "stages/pinches.h"
 #include "stages/remesh.h"
 #include "stages/settle.h"
@@ -32,7 +33,6 @@ constexpr float kRemeshFactors[] = {0.5f, 0};
 constexpr float kFactors[] = {0.7f, 0.5f, 0.35f, 0};  // of the edges in a place, failure by failure
 constexpr float kPlace = 2.5f, kMargin = 1.2f;  // edge_max: a place's radius, the front's room
 constexpr float kLeastEdge = 0.05f, kLongestEdge = 100;  // voxel lengths
-constexpr std::uint32_t kNoVertex = 0xffffffffu;
 
 SizeRule rule_of(const EdgeLengths& edges) {
   constexpr double kTwoPi = 6.283185307179586;
@@ -51,30 +51,6 @@ SizeRule scaled(SizeRule rule, float factor) {
   rule.edge_min *= factor;
   rule.edge_max *= factor;
   return rule;
-}
-
-/// The chosen triangles of a mesh, and the vertices that they have.
-TriangleMesh part_of(const TriangleMesh& mesh, const std::vector<std::uint8_t>& chosen) {
-  TriangleMesh part;
-  std::vector<std::uint32_t> renamed(mesh.vertex_count(), kNoVertex);
-  for (std::size_t c = 0; c < mesh.triangles.size(); ++c) {
-    if (!chosen[c / 3]) continue;
-    const std::uint32_t v = mesh.triangles[c];
-    if (renamed[v] == kNoVertex) {
-      renamed[v] = static_cast<std::uint32_t>(part.vertex_count());
-      const float* p = mesh.vertices.data() + 3 * std::size_t{v};
-      part.vertices.insert(part.vertices.end(), p, p + 3);
-    }
-    part.triangles.push_back(renamed[v]);
-  }
-  return part;
-}
-
-TriangleMesh joined(TriangleMesh first, const TriangleMesh& second) {
-  const auto shift = static_cast<std::uint32_t>(first.vertex_count());
-  first.vertices.insert(first.vertices.end(), second.vertices.begin(), second.vertices.end());
-  for (const std::uint32_t v : second.triangles) first.triangles.push_back(v + shift);
-  return first;
 }
 
 /// One byte a vertex: whether it lies in one of the places, or up to `margin` beyond.

@@ -35,8 +35,9 @@ struct Settled {
 /// \param radius  of the places that are remeshed, voxel lengths.
 /// \param within  if not empty: the places in which the mesh is new; elsewhere it has settled
 ///        before, and left `far`.
-/// \return the best of its rounds: the fewest triangles that meet, then the fewest points too far,
-///         then the fewest triangles with angles below 20 degrees. The topology is the mesh's.
+/// \return a surface of the same topology. Each place is as the best of several tries left it: with
+///         the fewest triangles that meet, then the fewest points too far, then the fewest
+///         triangles with angles below 10 and below 20 degrees.
 Settled settle(Backend& backend, const FieldView& field, const SizeView& sizes,
                const Bounds& bounds, float radius, TriangleMesh mesh,
                std::span<const CarefulPlace> within, const std::vector<Vec3>& far);
