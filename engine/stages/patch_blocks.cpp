@@ -253,20 +253,18 @@ WorkingSurface make_working_surface(Backend& backend, const RemeshGoal& goal,
 }
 
 TriangleMesh make_mesh(const WorkingSurface& surface) {
-  std::vector<std::uint32_t> name(surface.points.size(), 0);
-  for (const auto* triangles : {&surface.triangles, &surface.resting})
-    for (const std::uint32_t v : *triangles) name[v] = 1;
+  std::vector<std::uint32_t> name(surface.points.size(), kNone);
   TriangleMesh mesh;
-  std::uint32_t count = 0;
-  for (std::size_t v = 0; v < name.size(); ++v) {
-    if (!name[v]) continue;
-    name[v] = count++;
-    const Vec3& p = surface.points[v].position;
-    mesh.vertices.insert(mesh.vertices.end(), {p.x, p.y, p.z});
-  }
   mesh.triangles.reserve(surface.triangles.size() + surface.resting.size());
   for (const auto* triangles : {&surface.triangles, &surface.resting})
-    for (const std::uint32_t v : *triangles) mesh.triangles.push_back(name[v]);
+    for (const std::uint32_t v : *triangles) {
+      if (name[v] == kNone) {
+        name[v] = static_cast<std::uint32_t>(mesh.vertex_count());
+        const Vec3& p = surface.points[v].position;
+        mesh.vertices.insert(mesh.vertices.end(), {p.x, p.y, p.z});
+      }
+      mesh.triangles.push_back(name[v]);
+    }
   return mesh;
 }
 

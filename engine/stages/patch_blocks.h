@@ -42,7 +42,8 @@ void for_each_block(Backend& backend, const BlockGrid& grid, WorkingSurface& sur
 WorkingSurface make_working_surface(Backend& backend, const RemeshGoal& goal,
                                     const TriangleMesh& mesh);
 
-/// The mesh of what is left.
+/// The mesh of what is left, its vertices in the order in which the triangles have them: near ones
+/// lie near each other in memory.
 TriangleMesh make_mesh(const WorkingSurface& surface);
 
 }  // namespace vasamesh
