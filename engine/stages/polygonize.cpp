@@ -30,7 +30,9 @@ constexpr int kAims = 3;                 // attempts at a number of triangles
 constexpr double kCountTolerance = 0.1;  // of the triangles that are asked for
 constexpr float kRemeshFactors[] = {0.5f, 0};
 constexpr float kFactors[] = {0.7f, 0.5f, 0.35f, 0};  // of the edges in a place, failure by failure
-constexpr float kPlace = 2.5f, kMargin = 1.2f;  // edge_max: a place's radius, the front's room
+constexpr float kPlace = 2.5f;                        // longest edges: a place's radius,
+constexpr float kWidePlace = 4;  // voxel lengths: or one edge where that would be more than this
+constexpr float kMargin = 1.2f;  // longest edges: the front's room
 constexpr float kLeastEdge = 0.05f, kLongestEdge = 100;  // voxel lengths
 
 SizeRule rule_of(const EdgeLengths& edges) {
@@ -162,10 +164,23 @@ Verdict Polygonizer::judge(const CheckReport& check) {
   return best ? Verdict::keep : Verdict::refuse;
 }
 
+/// The longest edge that is asked for anywhere on the surface.
+float Polygonizer::longest_edge() const {
+  float longest = rule_.edge_min;
+  for (const std::uint32_t cell : sizes_.samples.cell)
+    longest = std::max(longest, sizes_.sizes.view()[cell]);
+  return longest;
+}
+
+float Polygonizer::place_radius() const {
+  const float edge = longest_edge();
+  return std::min(kPlace * edge, std::max(kWidePlace, edge));
+}
+
 /// Places for the defects, each that no new place covers; its factor by how many old ones do.
 void Polygonizer::note(const std::vector<Vec3>& defects, std::span<const float> factors) {
   first_fresh_ = places_.size();
-  const float radius = kPlace * rule_.edge_max;
+  const float radius = place_radius();
   const auto covers = [&](const CarefulPlace& place, const Vec3& p) {
     return squared_norm(p - place.centre) < 0.25f * (radius * radius);
   };
@@ -235,7 +250,7 @@ TriangleMesh Polygonizer::redone() {
   scheduler_.begin("remesh", Stage::mesh);
   apply_rule(backend_, field_, base_, rule_, places_, sizes_);
   const std::span<const CarefulPlace> fresh = std::span(places_).subspan(first_fresh_);
-  const float margin = kMargin * rule_.edge_max;
+  const float margin = kMargin * longest_edge();
   std::vector<std::uint8_t> within = vertices_within(backend_, base_, fresh, 0);
   const TriangleMesh part = part_of(base_, choose_triangles(backend_, base_, within));
   const std::vector<std::uint8_t> near = vertices_within(backend_, last_, fresh, margin);
@@ -289,8 +304,8 @@ TriangleMesh Polygonizer::settled(TriangleMesh mesh) {
   if (!has_topology_of(base_, mesh)) return mesh;
   const Bounds bounds = {base_, base_tree_, solid_, solid_tree_, limit_};
   const std::span<const CarefulPlace> within = settled_ ? changed_ : std::span<CarefulPlace>();
-  Settled result = settle(backend_, field_.view(), sizes_.view(field_), bounds,
-                          kPlace * rule_.edge_max, std::move(mesh), within, astray_);
+  Settled result = settle(backend_, field_.view(), sizes_.view(field_), bounds, place_radius(),
+                          std::move(mesh), within, astray_);
   astray_ = std::move(result.far);
   settled_ = true;
   changed_.clear();

@@ -65,6 +65,8 @@ class Polygonizer {
   TriangleMesh remeshed();
   TriangleMesh settled(TriangleMesh mesh);
   TriangleMesh front_over(const TriangleMesh& patches);
+  float longest_edge() const;
+  float place_radius() const;
   void note(const std::vector<Vec3>& defects, std::span<const float> factors);
   void plan_after(const std::vector<Vec3>& defects);
   void start_over(Plan plan);
