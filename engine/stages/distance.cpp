@@ -251,6 +251,15 @@ struct Sampled {
   std::array<float, 3> distance;
 };
 
+/// Squared distance from a triangle's corners within which all of it lies, from its squared edges:
+/// the radius of the smallest circle round it.
+float squared_reach(float a, float b, float c) {
+  const float longest = std::max({a, b, c}), others = ((a + b) + c) - longest;
+  if (others <= longest) return 0.25f * longest;
+  const float squared_area = 4 * (a * b) - (a + b - c) * (a + b - c);  // 16 times
+  return squared_area > 0 ? std::min(a * b * c / squared_area, longest / 3) : 0.25f * longest;
+}
+
 /// Adds the points of a triangle, but its corners, that are farther than `limit`: it is quartered
 /// until no point of it can be, since none is farther than a corner and the way from it.
 void add_points_beyond(const Sampled& whole, float limit, float enough, Nearest& nearest,
@@ -260,12 +269,11 @@ void add_points_beyond(const Sampled& whole, float limit, float enough, Nearest&
   stack[size++] = whole;
   while (size > 0) {
     const auto [corner, distance] = stack[--size];
-    const float longest = std::sqrt(
-        std::max({squared_norm(corner[1] - corner[0]), squared_norm(corner[2] - corner[1]),
-                  squared_norm(corner[0] - corner[2])}));
+    const float a = squared_norm(corner[1] - corner[0]), b = squared_norm(corner[2] - corner[1]),
+                c = squared_norm(corner[0] - corner[2]);
     const float farthest = std::max({distance[0], distance[1], distance[2]});
-    constexpr float kReach = 0.57736f;  // of the longest edge: to the nearest corner, at most
-    if (farthest + kReach * longest <= limit || longest < kFinest || size + 4 > stack.size())
+    if (farthest + std::sqrt(squared_reach(a, b, c)) <= limit ||
+        std::max({a, b, c}) < kFinest * kFinest || size + 4 > stack.size())
       continue;
     Sampled middle;
     for (std::size_t i = 0; i < 3; ++i) {
@@ -289,14 +297,16 @@ void add_points_beyond(const Sampled& whole, float limit, float enough, Nearest&
 std::vector<Vec3> points_beyond(Backend& backend, float limit, const TriangleMesh& from,
                                 const TriangleMesh& to, const TriangleTree& tree,
                                 const Places& places) {
-  const float enough = 0.15f * limit;  // most points are as near as that
+  // Bounds that let most triangles go without a look inside.
+  const float enough_at_vertex = 0.1f * limit, enough_inside = 0.3f * limit;
   std::vector<float> distances(from.vertex_count(), kUnknown);
   backend.run(parts_of(distances.size()), [&](std::size_t part) {
     Nearest nearest(to, tree);
     for (std::size_t v = part * kTriangles; v < part_end(part, distances.size()); ++v) {
       const Vec3 p = vertex_at(from, v);
       if (places.empty() || places.hold(p, Places::kMargin))
-        distances[v] = static_cast<float>(nearest.distance({p.x, p.y, p.z}, double{enough}));
+        distances[v] =
+            static_cast<float>(nearest.distance({p.x, p.y, p.z}, double{enough_at_vertex}));
     }
   });
   std::vector<std::vector<Vec3>> parts(parts_of(from.triangle_count()));
@@ -308,7 +318,7 @@ std::vector<Vec3> points_beyond(Backend& backend, float limit, const TriangleMes
           {vertex_at(from, v[0]), vertex_at(from, v[1]), vertex_at(from, v[2])},
           {distances[v[0]], distances[v[1]], distances[v[2]]}};
       if (std::min({triangle.distance[0], triangle.distance[1], triangle.distance[2]}) != kUnknown)
-        add_points_beyond(triangle, limit, enough, nearest, parts[part]);
+        add_points_beyond(triangle, limit, enough_inside, nearest, parts[part]);
     }
   });
   std::vector<Vec3> found;
