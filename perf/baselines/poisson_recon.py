@@ -1,0 +1,25 @@
+"""poisson_recon.py POINTS.ply SURFACE.ply [--depth D]: screened Poisson reconstruction (Kazhdan, Hoppe:
+Screened Poisson surface reconstruction, 2013) by PyPI's pymeshlab, of oriented points."""
+
+import argparse
+import os
+
+import pymeshlab
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("points")
+    parser.add_argument("surface")
+    parser.add_argument("--depth", type=int, default=9)
+    arguments = parser.parse_args()
+    meshes = pymeshlab.MeshSet()
+    meshes.load_new_mesh(arguments.points)
+    meshes.generate_surface_reconstruction_screened_poisson(depth=arguments.depth,
+                                                            threads=os.cpu_count())
+    meshes.save_current_mesh(arguments.surface, save_vertex_quality=False,
+                             save_vertex_normal=False)
+
+
+if __name__ == "__main__":
+    main()
