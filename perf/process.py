@@ -2,8 +2,10 @@
 
 import os
 import platform
+import signal
 import subprocess
 import tempfile
+import threading
 import time
 from dataclasses import dataclass
 
@@ -18,14 +20,21 @@ class Outcome:
     wall: float
     cpu: float
     peak: int
+    timed_out: bool = False
 
 
-def run(command):
-    """Runs a command to its end; any exit code is an Outcome."""
+def run(command, timeout=None, folder=None):
+    """Runs a command to its end, or for `timeout` seconds; any exit code is an Outcome."""
     with tempfile.TemporaryFile() as output, tempfile.TemporaryFile() as error:
         start = time.monotonic()
-        child = subprocess.Popen([str(word) for word in command], stdout=output, stderr=error)
+        child = subprocess.Popen([str(word) for word in command], stdout=output, stderr=error,
+                                 cwd=folder, start_new_session=True)
+        expired = threading.Event()
+        timer = threading.Timer(timeout or threading.TIMEOUT_MAX, end, (child.pid, expired))
+        timer.daemon = True
+        timer.start()
         _, status, usage = os.wait4(child.pid, 0)
+        timer.cancel()
         wall = time.monotonic() - start
         child.returncode = os.waitstatus_to_exitcode(status)
         texts = []
@@ -33,7 +42,13 @@ def run(command):
             stream.seek(0)
             texts.append(stream.read().decode(errors="replace"))
     return Outcome(child.returncode, texts[0], texts[1], wall,
-                   usage.ru_utime + usage.ru_stime, usage.ru_maxrss * 1024)
+                   usage.ru_utime + usage.ru_stime, usage.ru_maxrss * 1024, expired.is_set())
+
+
+def end(process_id, expired):
+    """Ends a process and those that it started."""
+    expired.set()
+    os.killpg(process_id, signal.SIGKILL)
 
 
 def machine():
