@@ -8,6 +8,7 @@ Row = dict[str, Any]
 GOOD_SHARE = 0.75  # of triangles with an edge ratio of 0.8 or more
 THICK = 2  # voxels, of the median inscribed radius: from there on fewer triangles than others
 HALF = 0.5
+MPU = ("mpu", "mpu-smooth")
 
 
 @dataclass(frozen=True)
@@ -43,7 +44,7 @@ def fewer(ours: Row, other: Row) -> float:
 
 def size_goals(ours: Row, rows: dict[str, Row], radius: float | None) -> list[Goal]:
     goals = []
-    for name in ("mc", "mpu"):
+    for name in ("mc", *MPU):
         if name not in rows:
             continue
         saved = fewer(ours, rows[name])
@@ -52,6 +53,20 @@ def size_goals(ours: Row, rows: dict[str, Row], radius: float | None) -> list[Go
         if radius is not None and radius < THICK:
             text += f" (not asked for: the median inscribed radius is {radius:.1f} voxels)"
         goals.append(Goal(text, saved > 0))
+    return goals
+
+
+def mpu_goals(ours: Row, mpu: Row, name: str) -> list[Goal]:
+    goals = []
+    for key, surface in (("distance", "marching cubes"), ("exact", "the exact surface")):
+        if key not in ours or key not in mpu:
+            continue
+        for way, title in (("to", f"to {surface}"), ("back", f"back from {surface}")):
+            mine, theirs = (row[key][way]["mean_voxels"] for row in (ours, mpu))
+            goals.append(Goal(f"mean distance {title} {mine:.3f} voxels, {name}'s {theirs:.3f}",
+                              mine <= theirs))
+    goals.append(Goal(f"spread of the RMS curvature {spread(ours):.2f} /mm, {name}'s "
+                      f"{spread(mpu):.2f}", spread(ours) <= spread(mpu)))
     return goals
 
 
@@ -65,14 +80,9 @@ def goals_of(rows: dict[str, Row], radius: float | None) -> list[Goal]:
              Goal("no other method has all three" if not others else
                   f"{', '.join(others)} has all three too", not others)]
     goals += size_goals(ours, rows, radius)
-    if "mpu" in rows:
-        mpu = rows["mpu"]
-        for way, title in (("to", "to marching cubes"), ("back", "back from it")):
-            mine, theirs = (row["distance"][way]["mean_voxels"] for row in (ours, mpu))
-            goals.append(Goal(f"mean distance {title} {mine:.3f} voxels, mpu's {theirs:.3f}",
-                              mine <= theirs))
-        goals.append(Goal(f"spread of the RMS curvature {spread(ours):.2f} /mm, mpu's "
-                          f"{spread(mpu):.2f}", spread(ours) <= spread(mpu)))
+    for name in MPU:
+        if name in rows:
+            goals += mpu_goals(ours, rows[name], name)
     if "mc" in rows:
         share = spread(ours) / max(spread(rows["mc"]), 1e-12)
         goals.append(Goal(f"spread of the RMS curvature {share:.2f} of marching cubes' (at most "

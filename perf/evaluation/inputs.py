@@ -1,7 +1,6 @@
 """The inputs: volume files, and phantoms by name."""
 
 import re
-import shutil
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -49,7 +48,3 @@ def open_input(text: str, program: Path, folder: Path) -> Input:
     if outcome.code != 0:
         raise BadInput(outcome.error.strip())
     return Input(text, volume, exact if exact.exists() else None)
-
-
-def clean(folder: Path) -> None:
-    shutil.rmtree(folder, ignore_errors=True)

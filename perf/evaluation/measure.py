@@ -35,7 +35,7 @@ def run_steps(name: str, method: Method, job: Job, timeout: float) -> Row:
     row: Row = {"method": name, "status": "done", "stages": {}, "wall": 0.0, "cpu": 0.0, "peak": 0}
     for step, command in method.steps(job).items():
         left = timeout - row["wall"]
-        outcome = process.run(command, timeout=max(left, 0.1), folder=Path(__file__).parents[1])
+        outcome = process.run_apart(command, max(left, 0.1), Path(__file__).parents[1])
         row["wall"] += outcome.wall
         row["cpu"] += outcome.cpu
         row["peak"] = max(row["peak"], outcome.peak)

@@ -24,11 +24,6 @@ made adaptive. Marching cubes is the reference of the distances, as in the paper
 exact surface itself."""
 
 
-def volume_facts(row: dict[str, Any], given: Input, program: Path) -> dict[str, Any]:
-    """Size and contents, from a conversion's report."""
-    return {"name": given.name, "exact": "known" if given.exact else "-", **row}
-
-
 def anatomy_of(given: Input) -> tuple[dict[str, Any] | None, str]:
     """Radii and a branching, or why there are none."""
     try:
