@@ -12,6 +12,7 @@
 
 #include "support/shapes.h"
 #include "tbb/backend.h"
+#include "types/mesh_vertex.h"
 #include "vasamesh/errors.h"
 
 namespace vasamesh::test {
@@ -121,6 +122,33 @@ TEST(Distance, OfPointsAsSearchedPlainlyInAnyOrder) {
   std::reverse(forth.begin(), forth.end());
   const std::vector<float> back = distances(2);
   for (std::size_t i = 0; i < points.size(); ++i) EXPECT_NEAR(back[i], forth[i], 1e-5) << i;
+}
+
+TEST(Distance, PointsBeyondAreTheSamplesThatArePlainlyFarther) {
+  const TriangleMesh fine = moved(torus(5, 2.2f, 40, 25), {0.4f, 0, 0}), coarse = torus(5, 2, 7, 5);
+  const auto backend = make_tbb_backend(2, nullptr);
+  const TriangleTree tree = build_triangle_tree(*backend, coarse);
+  for (const float limit : {0.3f, 0.6f, 0.9f}) {
+    std::vector<Vec3> samples;
+    for (std::size_t v = 0; v < fine.vertex_count(); ++v) samples.push_back(vertex_at(fine, v));
+    for (std::size_t t = 0; t < fine.triangle_count(); ++t) {
+      const Vec3 a = vertex_at(fine, fine.triangles[3 * t]),
+                 b = vertex_at(fine, fine.triangles[3 * t + 1]),
+                 c = vertex_at(fine, fine.triangles[3 * t + 2]);
+      samples.push_back((1.0f / 3) * ((a + b) + c));
+      if (fine.triangles[3 * t] < fine.triangles[3 * t + 1]) samples.push_back(0.5f * (a + b));
+      if (fine.triangles[3 * t + 1] < fine.triangles[3 * t + 2]) samples.push_back(0.5f * (b + c));
+      if (fine.triangles[3 * t + 2] < fine.triangles[3 * t]) samples.push_back(0.5f * (c + a));
+    }
+    const std::vector<float> distances = distances_to(*backend, samples, coarse, tree);
+    const auto far = std::count_if(distances.begin(), distances.end(),
+                                   [&](float distance) { return distance > limit; });
+    ASSERT_GT(far, 0);
+    const std::vector<Vec3> found = points_beyond(*backend, limit, fine, coarse, tree);
+    EXPECT_EQ(static_cast<std::ptrdiff_t>(found.size()), far);
+    for (const float distance : distances_to(*backend, found, coarse, tree))
+      EXPECT_GT(distance, limit);
+  }
 }
 
 TEST(Distance, StepIsInVoxelsAndLengthsInMillimetres) {

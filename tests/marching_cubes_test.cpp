@@ -5,9 +5,15 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <vector>
 
+#include "stages/bricks.h"
+#include "stages/distance.h"
 #include "stages/quality.h"
+#include "stages/solid_surface.h"
 #include "support/dense_volume.h"
 #include "support/invariants.h"
 #include "tbb/backend.h"
@@ -54,6 +60,55 @@ TEST(MarchingCubes, LiesWhereTheVoxelsLie) {
 TEST(MarchingCubes, TurnedAndMirroredVolumes) {
   expect_ball(ball({0, -1, 0, 1, 0, 0, 0, 0, 1}), {-10 - 8.25, 20 + 3.5, 30 + 15});
   expect_ball(ball({-1, 0, 0, 0, 1, 0, 0, 0, 1}), {-10 - 3.5, 20 + 8.25, 30 + 15});
+}
+
+/// The surface from the volume's whole cell lattice, in the caller's voxel units.
+TriangleMesh from_lattice(const DenseVolume& volume) {
+  const auto backend = make_tbb_backend(2, nullptr);
+  const BitVolume bits = pack_plainly(*backend, volume);
+  std::vector<BrickCoord> coords;
+  for (int z = 0; z < bits.size[2] / 4; ++z)
+    for (int y = 0; y < bits.size[1] / 4; ++y)
+      for (int x = 0; x < bits.size[0] / 4; ++x) coords.push_back({x, y, z});
+  Lattice lattice;
+  lattice.bricks = make_bricks(*backend, coords);
+  lattice.state = Buffer<std::uint8_t>(*backend, lattice.bricks.count * kBrickCells);
+  backend->lattice_label(bits.view(), 26, lattice.bricks.view(), {1, 1, 1}, lattice.state.view());
+  TriangleMesh mesh = marching_cubes_of(*backend, lattice, {1, 1, 1});
+  for (float& x : mesh.vertices) x -= kPad + 0.5f;
+  return mesh;
+}
+
+std::vector<std::array<float, 3>> sorted_vertices(const TriangleMesh& mesh) {
+  std::vector<std::array<float, 3>> vertices;
+  for (std::size_t i = 0; i < mesh.vertices.size(); i += 3)
+    vertices.push_back({mesh.vertices[i], mesh.vertices[i + 1], mesh.vertices[i + 2]});
+  std::sort(vertices.begin(), vertices.end());
+  return vertices;
+}
+
+/// All of VTK's surface is in the lattice's, which has polygons that are not plane cut in all ways.
+void expect_covered(const DenseVolume& volume, double thickness) {
+  const TriangleMesh mesh = from_lattice(volume);
+  const TriangleMesh wanted = marching_cubes({volume.view().geometry, volume.voxels});
+  EXPECT_EQ(sorted_vertices(mesh), sorted_vertices(wanted));
+  const auto backend = make_tbb_backend(2, nullptr);
+  const DistanceReport distance = measure_distance(*backend, mesh, wanted, 1, 0.1);
+  EXPECT_LT(distance.back.maximum, 1e-5);
+  EXPECT_LT(distance.to.maximum, thickness);
+  EXPECT_LT(distance.to.mean, 0.2 * thickness);
+}
+
+TEST(MarchingCubes, TheLatticesSurfaceCoversIt) {
+  const Segmentation smooth = ball({1, 0, 0, 0, 1, 0, 0, 0, 1});
+  DenseVolume volume({20, 21, 22});
+  volume.voxels = smooth.voxels;
+  expect_covered(volume, 0.3);
+  unsigned seed = 0;
+  for (const double density : {0.02, 0.2, 0.5, 0.8, 0.97}) {
+    SCOPED_TRACE(density);
+    expect_covered(random_volume({19, 14, 11}, density, ++seed), 0.5);
+  }
 }
 
 TEST(MarchingCubes, ClosedAtTheBorder) {

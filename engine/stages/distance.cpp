@@ -1,19 +1,26 @@
 #include "stages/distance.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <string>
 
 #include "stages/triangle_tree.h"
+#include "types/mesh_vertex.h"
 #include "vasamesh/errors.h"
 
 namespace vasamesh {
 
 namespace {
 
-constexpr std::size_t kTriangles = 1024;  // triangles a task samples
+constexpr std::size_t kTriangles = 1024;  // or points: that a task samples
 constexpr double kMostCuts = 4096;        // of a triangle's edge
+
+std::size_t parts_of(std::size_t count) { return (count + kTriangles - 1) / kTriangles; }
+std::size_t part_end(std::size_t part, std::size_t count) {
+  return std::min((part + 1) * kTriangles, count);
+}
 
 struct Point {
   double x, y, z;
@@ -82,10 +89,12 @@ class Nearest {
  public:
   Nearest(const TriangleMesh& mesh, const TriangleTree& tree) : mesh_(mesh), tree_(tree) {}
 
-  /// The distance, exact but for rounding. Starts from the triangle found last.
-  double distance(const float (&p)[3]) {
+  /// The distance, exact but for rounding where it is more than `enough`, else a bound from above
+  /// that is at most that. Starts from the triangle found last.
+  double distance(const float (&p)[3], double enough = 0) {
+    enough_ = enough * enough;
     best_ = squared_distance({p[0], p[1], p[2]}, triangle(mesh_, tree_.order[last_]));
-    descend(static_cast<int>(tree_.levels.size()) - 1, 0, p);
+    if (best_ > enough_) descend(static_cast<int>(tree_.levels.size()) - 1, 0, p);
     return std::sqrt(best_);
   }
 
@@ -106,18 +115,19 @@ class Nearest {
       const std::size_t child = 8 * node + nearest;
       if (level > 0) {
         descend(level - 1, child, p);
-        continue;
+      } else if (const double d =
+                     squared_distance({p[0], p[1], p[2]}, triangle(mesh_, tree_.order[child]));
+                 d < best_) {
+        best_ = d;
+        last_ = child;
       }
-      const double d = squared_distance({p[0], p[1], p[2]}, triangle(mesh_, tree_.order[child]));
-      if (d >= best_) continue;
-      best_ = d;
-      last_ = child;
+      if (best_ <= enough_) return;
     }
   }
 
   const TriangleMesh& mesh_;
   const TriangleTree& tree_;
-  double best_ = 0;
+  double best_ = 0, enough_ = 0;  // squared
   std::size_t last_ = 0;
 };
 
@@ -166,10 +176,10 @@ OneWayDistance one_way(Backend& backend, const TriangleMesh& from, const Triangl
                        const TriangleMesh& to, const TriangleTree& to_tree, double step) {
   const std::vector<std::uint32_t> first = first_places(from, from_tree);
   const std::size_t count = from_tree.order.size();
-  std::vector<Sums> parts((count + kTriangles - 1) / kTriangles);
+  std::vector<Sums> parts(parts_of(count));
   backend.run(parts.size(), [&](std::size_t part) {
     Nearest nearest(to, to_tree);
-    for (std::size_t i = part * kTriangles; i < std::min((part + 1) * kTriangles, count); ++i) {
+    for (std::size_t i = part * kTriangles; i < part_end(part, count); ++i) {
       const std::size_t t = from_tree.order[i];
       sample_triangle(triangle(from, t), step, nearest, parts[part]);
       for (int k = 0; k < 3; ++k) {
@@ -215,24 +225,85 @@ DistanceReport measure_distance(Backend& backend, const TriangleMesh& surface,
 }
 
 NearestTriangles nearest_triangles(Backend& backend, std::span<const Vec3> points,
-                                   const TriangleMesh& surface, const TriangleTree& tree) {
+                                   const TriangleMesh& surface, const TriangleTree& tree,
+                                   float enough) {
   NearestTriangles found{std::vector<float>(points.size()),
                          std::vector<std::uint32_t>(points.size())};
-  backend.run((points.size() + kTriangles - 1) / kTriangles, [&](std::size_t part) {
+  backend.run(parts_of(points.size()), [&](std::size_t part) {
     Nearest nearest(surface, tree);
-    const std::size_t end = std::min((part + 1) * kTriangles, points.size());
-    for (std::size_t i = part * kTriangles; i < end; ++i) {
-      found.distances[i] =
-          static_cast<float>(nearest.distance({points[i].x, points[i].y, points[i].z}));
+    for (std::size_t i = part * kTriangles; i < part_end(part, points.size()); ++i) {
+      const Vec3& p = points[i];
+      found.distances[i] = static_cast<float>(nearest.distance({p.x, p.y, p.z}, double{enough}));
       found.triangles[i] = nearest.found();
     }
   });
   return found;
 }
 
+namespace {
+
+constexpr float kUnknown = -1;  // distance
+
+/// The middles of a triangle's edges and its centroid that may be farther than `limit`: no point is
+/// farther than a vertex and what lies between.
+void add_samples(const std::array<Vec3, 3>& corner, const std::array<float, 3>& distance,
+                 float limit, std::vector<Vec3>& samples) {
+  const Vec3 centroid = (1.0f / 3) * ((corner[0] + corner[1]) + corner[2]);
+  bool far = true;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::size_t j = (i + 1) % 3;
+    far = far && distance[i] + norm(centroid - corner[i]) > limit;
+    if (std::min(distance[i], distance[j]) + 0.5f * norm(corner[j] - corner[i]) > limit)
+      samples.push_back(0.5f * (corner[i] + corner[j]));
+  }
+  if (far) samples.push_back(centroid);
+}
+
+}  // namespace
+
+std::vector<Vec3> points_beyond(Backend& backend, float limit, const TriangleMesh& from,
+                                const TriangleMesh& to, const TriangleTree& tree,
+                                const Places& places) {
+  constexpr float kEnough = 0.3f;  // of the limit: the samples round such a vertex are near, mostly
+  std::vector<float> distances(from.vertex_count(), kUnknown);
+  backend.run(parts_of(distances.size()), [&](std::size_t part) {
+    Nearest nearest(to, tree);
+    for (std::size_t v = part * kTriangles; v < part_end(part, distances.size()); ++v) {
+      const Vec3 p = vertex_at(from, v);
+      if (places.empty() || places.hold(p, Places::kMargin))
+        distances[v] = static_cast<float>(nearest.distance({p.x, p.y, p.z}, kEnough * limit));
+    }
+  });
+  std::vector<std::vector<Vec3>> parts(parts_of(from.triangle_count()));
+  backend.run(parts.size(), [&](std::size_t part) {
+    std::vector<Vec3> samples;
+    for (std::size_t t = part * kTriangles; t < part_end(part, from.triangle_count()); ++t) {
+      const std::uint32_t* v = from.triangles.data() + 3 * t;
+      const std::array<float, 3> distance = {distances[v[0]], distances[v[1]], distances[v[2]]};
+      if (std::min({distance[0], distance[1], distance[2]}) != kUnknown)
+        add_samples({vertex_at(from, v[0]), vertex_at(from, v[1]), vertex_at(from, v[2])}, distance,
+                    limit, samples);
+    }
+    Nearest nearest(to, tree);
+    for (const Vec3& p : samples)
+      if (static_cast<float>(nearest.distance({p.x, p.y, p.z}, double{limit})) > limit)
+        parts[part].push_back(p);
+  });
+  std::vector<Vec3> found;
+  for (std::size_t v = 0; v < distances.size(); ++v)
+    if (distances[v] > limit) found.push_back(vertex_at(from, v));
+  for (const std::vector<Vec3>& part : parts) found.insert(found.end(), part.begin(), part.end());
+  const auto before = [](const Vec3& a, const Vec3& b) {
+    return std::array{a.x, a.y, a.z} < std::array{b.x, b.y, b.z};
+  };
+  std::sort(found.begin(), found.end(), before);
+  found.erase(std::unique(found.begin(), found.end()), found.end());
+  return found;
+}
+
 std::vector<float> distances_to(Backend& backend, std::span<const Vec3> points,
                                 const TriangleMesh& surface, const TriangleTree& tree) {
-  return nearest_triangles(backend, points, surface, tree).distances;
+  return nearest_triangles(backend, points, surface, tree, 0).distances;
 }
 
 }  // namespace vasamesh

@@ -7,9 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "stages/approach.h"
 #include "stages/curvature.h"
-#include "stages/distance.h"
 #include "stages/expand.h"
 #include "stages/finish.h"
 #include "stages/hard.h"
@@ -17,6 +15,8 @@
 #include "stages/lattice.h"
 #include "stages/pinches.h"
 #include "stages/remesh.h"
+#include "stages/settle.h"
+#include "stages/solid_surface.h"
 #include "stages/stitch.h"
 #include "types/mesh_vertex.h"
 #include "vasamesh/errors.h"
@@ -32,9 +32,6 @@ constexpr double kCountTolerance = 0.1;  // of the triangles that are asked for
 constexpr float kRemeshFactors[] = {0.5f, 0};
 constexpr float kFactors[] = {0.7f, 0.5f, 0.35f, 0};  // of the edges in a place, failure by failure
 constexpr float kPlace = 2.5f, kMargin = 1.2f;  // edge_max: a place's radius, the front's room
-constexpr float kFarShare = 0.9f;    // of the distance limit: how far from face centres is too far
-constexpr float kStray = 0.4f;       // voxel lengths: of a vertex from the base surface, at most
-constexpr float kNearShare = 0.82f;  // the same: how near the surface is brought to them
 constexpr float kLeastEdge = 0.05f, kLongestEdge = 100;  // voxel lengths
 constexpr std::uint32_t kNoVertex = 0xffffffffu;
 
@@ -104,22 +101,6 @@ std::vector<CarefulPlace> where_base_stays(std::span<const CarefulPlace> places)
   return kept;
 }
 
-/// The centres of the faces between object and background.
-std::vector<Vec3> find_face_centres(const Lattice& lattice, const Scale& scale) {
-  std::vector<Vec3> centres;
-  const auto coords = lattice.bricks.coords.view();
-  const auto state = lattice.state.view();
-  for (std::size_t node = 0; node < state.size; ++node) {
-    if (!(state[node] & kFaceCentre)) continue;
-    const BrickCoord& brick = coords[node / kBrickCells];
-    const int cell = static_cast<int>(node % kBrickCells);
-    centres.push_back({0.5f * scale[0] * static_cast<float>(8 * brick.x + (cell & 7)),
-                       0.5f * scale[1] * static_cast<float>(8 * brick.y + (cell >> 3 & 7)),
-                       0.5f * scale[2] * static_cast<float>(8 * brick.z + (cell >> 6))});
-  }
-  return centres;
-}
-
 double area_of(const TriangleMesh& mesh) {
   double area = 0;
   for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
@@ -162,11 +143,12 @@ Polygonizer::Polygonizer(Scheduler& scheduler, const Lattice& lattice,
       rule_(asked_),
       wanted_triangles_(static_cast<double>(parameters.edges.triangles)),
       base_(std::move(base)),
-      farthest_(kFarShare * distance_limit(scale)) {
+      limit_(distance_limit(scale)) {
   for (std::size_t i = 0; i < base_.vertices.size(); ++i) base_.vertices[i] *= scale_[i % 3];
   scheduler_.begin("sizes", Stage::mesh);
   base_tree_ = build_triangle_tree(backend_, base_);
-  face_centres_ = find_face_centres(lattice, scale);
+  solid_ = marching_cubes_of(backend_, lattice, scale);
+  solid_tree_ = build_triangle_tree(backend_, solid_);
   field_ = make_field(backend_, lattice, size, scale);
   sizes_ = make_sizes(backend_, field_, base_, rule_);
   if (wanted_triangles_ > 0) aim(wanted_triangles_);
@@ -217,12 +199,11 @@ Verdict Polygonizer::judge(const CheckReport& check) {
     plan_after(defects(check));
     return Verdict::refuse;
   }
-  const std::vector<Vec3> far = astray();
-  if (far.empty() && count_is_right(check.triangles)) return Verdict::take;
-  const bool best = !proven_ || far.size() < least_astray_;
+  if (astray_.empty() && count_is_right(check.triangles)) return Verdict::take;
+  const bool best = !proven_ || astray_.size() < least_astray_;
   proven_ = true;
-  if (best) least_astray_ = far.size();
-  if (!far.empty()) plan_after(far);
+  if (best) least_astray_ = astray_.size();
+  if (!astray_.empty()) plan_after(astray_);
   return best ? Verdict::keep : Verdict::refuse;
 }
 
@@ -289,7 +270,7 @@ TriangleMesh Polygonizer::expanded() {
   if (!part.triangles.empty()) patches = remesh(backend_, field_.view(), sizes_.view(field_), part);
   const TriangleMesh mesh = front_over(patches);
   scheduler_.begin("finish", Stage::mesh);
-  return approached(finish(backend_, field_.view(), sizes_.view(field_), mesh));
+  return settled(finish(backend_, field_.view(), sizes_.view(field_), mesh));
 }
 
 /// The last surface with the fresh places cut out, the base surface remeshed in their middle, and
@@ -313,10 +294,12 @@ TriangleMesh Polygonizer::redone() {
   const TriangleMesh mesh = front_over(patches);
 
   scheduler_.begin("finish", Stage::mesh);
-  std::vector<CarefulPlace> round = where_base_stays(places_);
-  for (const CarefulPlace& place : fresh)
-    if (place.factor > 0) round.push_back({place.centre, place.radius + 2 * margin, 1});
-  return approached(finish(backend_, field_.view(), sizes_.view(field_), mesh, round));
+  std::vector<CarefulPlace> round = where_base_stays(places_), changed;
+  for (const CarefulPlace& place : fresh) {
+    changed.push_back({place.centre, place.radius + 2 * margin, 1});
+    if (place.factor > 0) round.push_back(changed.back());
+  }
+  return settled(finish(backend_, field_.view(), sizes_.view(field_), mesh, round), changed);
 }
 
 /// The front round the patches, its gaps stitched.
@@ -340,27 +323,16 @@ TriangleMesh Polygonizer::front_over(const TriangleMesh& patches) {
 TriangleMesh Polygonizer::remeshed() {
   scheduler_.begin("remesh", Stage::mesh);
   report_.hard_share = 1;
-  return approached(remesh(backend_, field_.view(), sizes_.view(field_), base_, places_));
+  return settled(remesh(backend_, field_.view(), sizes_.view(field_), base_, places_));
 }
 
-/// The surface, its vertices brought back to the base surface, and it to the face centres, where
-/// they are too far.
-TriangleMesh Polygonizer::approached(TriangleMesh mesh) {
-  const FieldView field = field_.view();
-  const SizeView sizes = sizes_.view(field_);
-  mesh = bring_back(backend_, field, sizes, base_, base_tree_, kStray, std::move(mesh));
-  return approach(backend_, field, sizes, face_centres_, kNearShare * distance_limit(scale_),
-                  std::move(mesh));
-}
-
-/// The face centres that the last surface is too far from.
-std::vector<Vec3> Polygonizer::astray() const {
-  const std::vector<float> distances =
-      distances_to(backend_, face_centres_, last_, build_triangle_tree(backend_, last_));
-  std::vector<Vec3> found;
-  for (std::size_t i = 0; i < distances.size(); ++i)
-    if (distances[i] > farthest_) found.push_back(face_centres_[i]);
-  return found;
+/// The surface, settled in the bounds. If there are places, it is the last one away from them.
+TriangleMesh Polygonizer::settled(TriangleMesh mesh, std::span<const CarefulPlace> within) {
+  const Bounds bounds = {base_, base_tree_, solid_, solid_tree_, limit_};
+  Settled result = settle(backend_, field_.view(), sizes_.view(field_), bounds,
+                          kPlace * rule_.edge_max, std::move(mesh), within, astray_);
+  astray_ = std::move(result.far);
+  return std::move(result.mesh);
 }
 
 /// Where the last surface is open, has an edge of several triangles or meets itself; where none of
@@ -371,7 +343,7 @@ std::vector<Vec3> Polygonizer::defects(const CheckReport& check) const {
   if (check.intersecting_pairs > 0) {
     const Intersections pairs =
         find_intersections(backend_, last_, build_triangle_tree(backend_, last_));
-    for (const CarefulPlace& place : places_of(last_, pairs.pairs, 1, 1))
+    for (const CarefulPlace& place : places_at(centres_of(last_, pairs.pairs), 1, 1))
       found.push_back(place.centre);
   }
   return found.empty() ? curvature_differences(base_, last_) : found;

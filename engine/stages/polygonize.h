@@ -62,9 +62,8 @@ class Polygonizer {
   TriangleMesh expanded();
   TriangleMesh redone();
   TriangleMesh remeshed();
-  TriangleMesh approached(TriangleMesh mesh);
+  TriangleMesh settled(TriangleMesh mesh, std::span<const CarefulPlace> within = {});
   TriangleMesh front_over(const TriangleMesh& patches);
-  std::vector<Vec3> astray() const;
   std::vector<Vec3> defects(const CheckReport& check) const;
   void note(const std::vector<Vec3>& defects, std::span<const float> factors);
   void plan_after(const std::vector<Vec3>& defects);
@@ -79,14 +78,16 @@ class Polygonizer {
   double wanted_triangles_ = 0;  ///< 0: as many as the rule gives
   TriangleMesh base_;            ///< voxel lengths
   TriangleTree base_tree_;
-  std::vector<Vec3> face_centres_;  ///< of the segmentation's boundary, voxel lengths
-  float farthest_ = 0;              ///< that the surface may be from them
+  TriangleMesh solid_;  ///< the segmentation's marching-cubes surface, voxel lengths
+  TriangleTree solid_tree_;
+  float limit_ = 0;  ///< that the surface may be from it
   IndicatorField field_;
   SizeField sizes_;
   Plan plan_ = Plan::expand;
   int aims_ = 0;
-  bool proven_ = false;  ///< some surface was
-  int failures_ = 0;     ///< of the plan
+  bool proven_ = false;       ///< some surface was
+  int failures_ = 0;          ///< of the plan
+  std::vector<Vec3> astray_;  ///< where the last surface and the segmentation are too far apart
   std::size_t least_astray_ = 0;
   std::vector<CarefulPlace> places_;  ///< where attempts have failed
   std::size_t first_fresh_ = 0;       ///< of the places: those of the last attempt follow
