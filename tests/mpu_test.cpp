@@ -1,16 +1,16 @@
 /// \file
 /// The MPU baseline and its polygonizer on shapes that are known exactly.
 
-#include "baselines/mpu.h"
+#include "mpu.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
-#include "baselines/mpu_fit.h"
-#include "baselines/polygonizer.h"
+#include "mpu_fit.h"
 #include "phantom/phantom.h"
+#include "polygonizer.h"
 #include "stages/distance.h"
 #include "stages/quality.h"
 #include "stages/verify.h"

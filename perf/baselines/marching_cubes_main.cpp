@@ -11,9 +11,9 @@
 #include <vtkQuadricDecimation.h>
 #include <vtkWindowedSincPolyDataFilter.h>
 
-#include "baselines/program.h"
 #include "io/marching_cubes.h"
 #include "io/surface_io.h"
+#include "program.h"
 
 namespace vasamesh::baselines {
 namespace {

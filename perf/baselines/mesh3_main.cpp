@@ -16,8 +16,8 @@
 #include <cmath>
 #include <map>
 
-#include "baselines/program.h"
 #include "io/surface_io.h"
+#include "program.h"
 
 namespace vasamesh::baselines {
 namespace {

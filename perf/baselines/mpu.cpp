@@ -1,10 +1,10 @@
-#include "baselines/mpu.h"
+#include "mpu.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "baselines/mpu_fit.h"
+#include "mpu_fit.h"
 
 namespace vasamesh::baselines {
 

@@ -13,13 +13,14 @@
 #include <memory>
 #include <vector>
 
-#include "baselines/samples.h"
+#include "samples.h"
 
 namespace vasamesh::baselines {
 
 ///
-/// The defaults are the best of tolerances from 0.1 to 0.8 and half edges from 0.125 to 1 on the phantom
-/// `cerebral`: larger ones are smoother on thick vessels, and lose thin ones or add sheets to them.
+/// The defaults are the best of tolerances from 0.1 to 0.8 and half edges from 0.125 to 1 on the
+/// phantom `cerebral`: larger ones are smoother on thick vessels, and lose thin ones or add sheets
+/// to them.
 struct MpuOptions {
   double tolerance = 0.2;  ///< largest distance of a sample to its cell's quadric, voxels, above 0
   double least_cell = 0.125;  ///< half edge below which a cell is not split, voxels

@@ -1,4 +1,4 @@
-#include "baselines/mpu_fit.h"
+#include "mpu_fit.h"
 
 #include <Eigen/Dense>
 #include <array>

@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "baselines/samples.h"
+#include "samples.h"
 
 namespace vasamesh::baselines {
 

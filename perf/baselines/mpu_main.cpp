@@ -2,10 +2,10 @@
 /// vasamesh_baseline_mpu VOLUME SURFACE.ply [--tolerance T] [--cube C]: multi-level partition of
 /// unity implicits of the library's samples, and Bloomenthal's polygonizer.
 
-#include "baselines/mpu.h"
-#include "baselines/polygonizer.h"
-#include "baselines/program.h"
 #include "io/surface_io.h"
+#include "mpu.h"
+#include "polygonizer.h"
+#include "program.h"
 
 namespace vasamesh::baselines {
 namespace {

@@ -4,9 +4,9 @@
 
 #include <fmt/core.h>
 
-#include "baselines/program.h"
-#include "baselines/samples.h"
 #include "io/atomic_file.h"
+#include "program.h"
+#include "samples.h"
 
 namespace vasamesh::baselines {
 namespace {

@@ -1,4 +1,4 @@
-#include "baselines/polygonizer.h"
+#include "polygonizer.h"
 
 #include <array>
 #include <cmath>

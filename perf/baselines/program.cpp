@@ -1,4 +1,4 @@
-#include "baselines/program.h"
+#include "program.h"
 
 #include <algorithm>
 #include <array>

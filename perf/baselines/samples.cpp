@@ -1,4 +1,4 @@
-#include "baselines/samples.h"
+#include "samples.h"
 
 #include "stages/normals.h"
 #include "stages/points.h"

@@ -41,7 +41,7 @@ def run_steps(name: str, method: Method, job: Job, timeout: float) -> Row:
         row["peak"] = max(row["peak"], outcome.peak)
         row["stages"][step] = outcome.wall
         if outcome.timed_out:
-            return failed(name, "timed out", f"not done after {timeout:.0f} s")
+            return failed(name, "timed out", f"not done after {timeout:g} s")
         if outcome.code != 0:
             return failed(name, "failed", last_line(outcome.error))
     if not job.surface.exists():

@@ -13,9 +13,9 @@ from .surfaces import KEPT, SurfaceMap, in_ball
 matplotlib.use("Agg")
 from matplotlib import pyplot  # noqa: E402  after the choice of what it draws with
 
-TILE = (400, 330)  # pixels
+TILE = (360, 300)  # pixels
 COLUMNS = 3
-COLOURS = 96
+COLOURS = 80
 CURVATURE_COLOURS = "turbo"
 AXES = (("rms_curvature", "RMS curvature, 1/mm", "share of the area"),
         ("edge_ratio", "edge ratio", "share of the triangles"),

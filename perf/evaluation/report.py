@@ -1,6 +1,7 @@
 """Everything measured, and the files that show it."""
 
 import json
+import re
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -14,7 +15,7 @@ from .measure import measure
 from .methods import METHODS
 from .tables import Section, input_sections, input_table, markdown
 
-CURVATURES = 1.5  # the scale of curvatures, over marching cubes' 95th percentile of ours
+CURVATURES = 1.5  # the scale of all pictures' curvatures, over the 95th percentile of ours
 
 TEXT = """\
 Written by `perf/compare` with {version} on a {machine}; {load:.1f} processes wanted a core on average
@@ -112,6 +113,12 @@ def sections_of(content: dict[str, Any], pictures: dict[str, dict[str, str]]) ->
     return sections
 
 
+def json_text(content: dict[str, Any]) -> str:
+    """Five digits a number, and a list of numbers on one line."""
+    text = json.dumps(rounded(content), indent=1)
+    return re.sub(r"\[[-+\d.e,\s]+\]", lambda found: " ".join(found.group().split()), text) + "\n"
+
+
 def write_text(content: dict[str, Any], sections: list[Section], folder: Path) -> None:
     (folder / "report.md").write_text(markdown(sections))
-    (folder / "report.json").write_text(json.dumps(rounded(content), indent=1) + "\n")
+    (folder / "report.json").write_text(json_text(content))
