@@ -1,5 +1,5 @@
-"""perf/compare: tables and judgements of known rows, methods that fail, a whole run on a phantom, and
-its page in a headless browser.
+"""perf/compare: tables and judgements of known rows, methods that fail, a whole run on a phantom,
+and its page in a headless browser.
 
     compare_test.py VASAMESH PERF_FOLDER
 """
@@ -19,55 +19,115 @@ DRAWING = ("matplotlib", "numpy", "PIL", "pyvista", "vtkmodules")
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 
 
-def row_of(method: str, triangles: int = 100, mean: float = 0.1, spread: float = 1.0,
-           **check: Any) -> dict[str, Any]:
+def row_of(
+    method: str, triangles: int = 100, mean: float = 0.1, spread: float = 1.0, **check: Any
+) -> dict[str, Any]:
     """A finished row, of a surface that is as asked for unless `check` says otherwise."""
-    way = {"mean_mm": mean, "maximum_mm": 1.0, "rms_mm": mean, "mean_voxels": mean,
-           "maximum_voxels": 1.0, "rms_voxels": mean}
+    way = {
+        "mean_mm": mean,
+        "maximum_mm": 1.0,
+        "rms_mm": mean,
+        "mean_voxels": mean,
+        "maximum_voxels": 1.0,
+        "rms_voxels": mean,
+    }
     topology = {"pieces": 1, "handles": 2, "cavities": 0}
-    shape = {"mean": 0.9, "deviation": 0.1, "minimum": 20.0, "percentile_5": 30.0,
-             "percentile_95": 1.2}
-    report = {"vertices": triangles // 2 + 2, "triangles": triangles, "passed": True,
-              "topology": topology, "wanted": topology, "mismatched_pieces": 0, "open_edges": 0,
-              "nonmanifold_edges": 0, "nonmanifold_vertices": 0, "misoriented_edges": 0,
-              "inverted_shells": 0, "intersecting_pairs": 0, "degenerate_triangles": 0}
-    return {"method": method, "status": "done", "stages": {"all": 1.0}, "wall": 1.0, "cpu": 1.0,
-            "peak": 10**6, "check": {**report, **check}, "distance": {"to": way, "back": way},
-            "rms_curvature": {"mean": 1.0, "percentile_5": 0.5, "median": 1.0,
-                              "percentile_95": 0.5 + spread},
-            "quality": {"edge_ratio": shape, "least_angle": shape, "size_ratio": shape,
-                        "edge_ratio_above_08": 0.9, "edge_ratio_below_03": 0.0,
-                        "edge_ratio_below_01": 0.0}}
+    shape = {
+        "mean": 0.9,
+        "deviation": 0.1,
+        "minimum": 20.0,
+        "percentile_5": 30.0,
+        "percentile_95": 1.2,
+    }
+    report = {
+        "vertices": triangles // 2 + 2,
+        "triangles": triangles,
+        "passed": True,
+        "topology": topology,
+        "wanted": topology,
+        "mismatched_pieces": 0,
+        "open_edges": 0,
+        "nonmanifold_edges": 0,
+        "nonmanifold_vertices": 0,
+        "misoriented_edges": 0,
+        "inverted_shells": 0,
+        "intersecting_pairs": 0,
+        "degenerate_triangles": 0,
+    }
+    return {
+        "method": method,
+        "status": "done",
+        "stages": {"all": 1.0},
+        "wall": 1.0,
+        "cpu": 1.0,
+        "peak": 10**6,
+        "check": {**report, **check},
+        "distance": {"to": way, "back": way},
+        "rms_curvature": {
+            "mean": 1.0,
+            "percentile_5": 0.5,
+            "median": 1.0,
+            "percentile_95": 0.5 + spread,
+        },
+        "quality": {
+            "edge_ratio": shape,
+            "least_angle": shape,
+            "size_ratio": shape,
+            "edge_ratio_above_08": 0.9,
+            "edge_ratio_below_03": 0.0,
+            "edge_ratio_below_01": 0.0,
+        },
+    }
 
 
 class Judgement(unittest.TestCase):
     def met(self, rows: list[dict[str, Any]], radius: float | None = 3.0) -> dict[str, bool]:
         from evaluation.goals import goals_of
-        return {goal.text: goal.met for goal in
-                goals_of({row["method"]: row for row in rows}, radius)}
+
+        return {
+            goal.text: goal.met for goal in goals_of({row["method"]: row for row in rows}, radius)
+        }
 
     def test_all_goals_met(self) -> None:
-        goals = self.met([row_of("ours", 80, 0.1, 0.4),
-                          row_of("mc", 100, 0.0, 1.0, intersecting_pairs=1),
-                          row_of("mpu", 90, 0.1, 0.4, open_edges=1, passed=False)])
+        goals = self.met(
+            [
+                row_of("ours", 80, 0.1, 0.4),
+                row_of("mc", 100, 0.0, 1.0, intersecting_pairs=1),
+                row_of("mpu", 90, 0.1, 0.4, open_edges=1, passed=False),
+            ]
+        )
         self.assertTrue(all(goals.values()), goals)
         self.assertIn("20 % fewer triangles than mc", goals)
         self.assertIn("11 % fewer triangles than mpu", goals)
 
     def test_what_is_worse_is_not_met(self) -> None:
-        goals = self.met([row_of("ours", 110, 0.2, 0.6), row_of("mc", 100, 0.0, 1.0),
-                          row_of("mpu", 100, 0.1, 0.5)], 1.5)
+        goals = self.met(
+            [
+                row_of("ours", 110, 0.2, 0.6),
+                row_of("mc", 100, 0.0, 1.0),
+                row_of("mpu", 100, 0.1, 0.5),
+            ],
+            1.5,
+        )
         missed = [text for text, met in goals.items() if not met]
         self.assertIn("mc, mpu has all three too", missed)
-        self.assertTrue(any(text.startswith("10 % more triangles than mc (not asked for")
-                            for text in missed), missed)
+        self.assertTrue(
+            any(text.startswith("10 % more triangles than mc (not asked for") for text in missed),
+            missed,
+        )
         self.assertIn("mean distance to marching cubes 0.200 voxels, mpu's 0.100", missed)
         self.assertIn("spread of the RMS curvature 0.60 /mm, mpu's 0.50", missed)
 
     def test_each_defect_spoils_ours(self) -> None:
         from evaluation.goals import complete
+
         self.assertTrue(complete(row_of("ours")))
-        for defect in ("open_edges", "nonmanifold_edges", "intersecting_pairs", "mismatched_pieces"):
+        for defect in (
+            "open_edges",
+            "nonmanifold_edges",
+            "intersecting_pairs",
+            "mismatched_pieces",
+        ):
             self.assertFalse(complete(row_of("ours", passed=False, **{defect: 1})), defect)
         row = row_of("ours")
         row["quality"]["edge_ratio_above_08"] = 0.75
@@ -75,8 +135,14 @@ class Judgement(unittest.TestCase):
 
     def test_a_better_baseline_is_named(self) -> None:
         from evaluation.goals import better_than_ours
-        found = better_than_ours({"ours": row_of("ours", 100), "mc": row_of("mc", 120, 0.0),
-                                  "mpu": row_of("mpu", 90, 0.05)})
+
+        found = better_than_ours(
+            {
+                "ours": row_of("ours", 100),
+                "mc": row_of("mc", 120, 0.0),
+                "mpu": row_of("mpu", 90, 0.05),
+            }
+        )
         self.assertEqual(found["triangles"], ["mpu"])
         self.assertEqual(found["mean distance to marching cubes"], ["mpu"])
         self.assertNotIn("curvature spread", found)
@@ -85,6 +151,7 @@ class Judgement(unittest.TestCase):
 class Tables(unittest.TestCase):
     def test_the_best_is_bold_and_a_failure_says_why(self) -> None:
         from evaluation.tables import SIZE, figures, markdown_table
+
         failed = {"method": "ss", "status": "timed out", "reason": "not done after 5 s"}
         text = markdown_table(figures([row_of("ours", 90), failed, row_of("mc", 2000)], SIZE))
         self.assertIn("| ours | **47** | **90** |", text)
@@ -94,6 +161,7 @@ class Tables(unittest.TestCase):
 
     def test_html_is_escaped(self) -> None:
         from evaluation.tables import Section, Table, html_sections
+
         text = html_sections([Section("a < b", table=Table(["x"], [["**1** <i>"]]))], str)
         self.assertIn("a &lt; b", text)
         self.assertIn("<td><b>1</b> &lt;i&gt;</td>", text)
@@ -105,6 +173,7 @@ class Running(unittest.TestCase):
     def run_method(self, command: list[str], timeout: float = 60) -> dict[str, Any]:
         from evaluation.measure import run_steps
         from evaluation.methods import Job, Method
+
         with tempfile.TemporaryDirectory() as name:
             folder = Path(name)
             job = Job(folder, folder / "v", folder / "s.ply", folder / "r", folder)
@@ -123,12 +192,14 @@ class Running(unittest.TestCase):
 
     def test_what_is_missing_is_named(self) -> None:
         from evaluation.methods import METHODS, Method
+
         self.assertIn("-DVASAMESH_BASELINES=ON", METHODS["mc"].missing(Path("/nowhere")))
         absent = Method("a", lambda _: {}, (), (("no_such_module", "such-package"),))
         self.assertIn("pip install such-package", absent.missing(Path("/nowhere")))
 
     def test_memory_is_that_of_the_process(self) -> None:
         import process
+
         ballast = bytearray(200_000_000)
         self.assertLess(process.run_apart(["true"]).peak, 50_000_000)
         use = [sys.executable, "-c", "a = b'1' * 90_000_000"]
@@ -152,8 +223,12 @@ class WholeRun(unittest.TestCase):
 
     @classmethod
     def compare(cls, *words: str) -> subprocess.CompletedProcess:
-        return subprocess.run([sys.executable, "-B", cls.perf / "compare", *words, "--build",
-                               cls.program.parent], capture_output=True, text=True, check=False)
+        return subprocess.run(
+            [sys.executable, "-B", cls.perf / "compare", *words, "--build", cls.program.parent],
+            capture_output=True,
+            text=True,
+            check=False,
+        )
 
     def text_of(self, name: str) -> str:
         return (Path(self.folder.name) / name).read_text()
@@ -171,9 +246,16 @@ class WholeRun(unittest.TestCase):
 
     def test_report_has_every_table(self) -> None:
         text = self.text_of("report.md")
-        for title in ("Data sets", "What is asked of ours", "Size and cost",
-                      "Distance to marching cubes", "Distance to the exact surface", "Smoothness",
-                      "Triangle quality", "Topology"):
+        for title in (
+            "Data sets",
+            "What is asked of ours",
+            "Size and cost",
+            "Distance to marching cubes",
+            "Distance to the exact surface",
+            "Smoothness",
+            "Triangle quality",
+            "Topology",
+        ):
             self.assertIn(title, text)
 
     def test_bad_input_and_wrong_use(self) -> None:
@@ -197,10 +279,23 @@ class WholeRun(unittest.TestCase):
         if browser is None:
             self.skipTest("no browser; install Debian's chromium")
         outcome = subprocess.run(
-            [browser, "--headless", "--no-sandbox", "--use-angle=swiftshader",
-             "--enable-unsafe-swiftshader", f"--user-data-dir={self.folder.name}/profile",
-             "--enable-logging=stderr", "--virtual-time-budget=8000", "--dump-dom", page.as_uri()],
-            capture_output=True, text=True, timeout=120, check=False)
+            [
+                browser,
+                "--headless",
+                "--no-sandbox",
+                "--use-angle=swiftshader",
+                "--enable-unsafe-swiftshader",
+                f"--user-data-dir={self.folder.name}/profile",
+                "--enable-logging=stderr",
+                "--virtual-time-budget=8000",
+                "--dump-dom",
+                page.as_uri(),
+            ],
+            capture_output=True,
+            text=True,
+            timeout=120,
+            check=False,
+        )
         console = [line for line in outcome.stderr.splitlines() if ":CONSOLE" in line]
         self.assertEqual(console, [])
         first = re.search(r"<html[^>]*>", outcome.stdout)
@@ -217,9 +312,15 @@ class Pictures(unittest.TestCase):
             self.skipTest("no " + ", ".join(DRAWING) + " here; see perf/requirements.txt")
         import numpy as np
         from evaluation.surfaces import KEPT, SurfaceMap, histograms, in_ball
-        surface = SurfaceMap(np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [9, 9, 9]]),
-                             np.array([[0, 1, 2], [1, 2, 3]]), np.array([0.1, 0.1, 5.0, 1.9]),
-                             np.array([1.0, 1, 1, 1]), np.array([0.5, 1.0]), np.array([30.0, 60]))
+
+        surface = SurfaceMap(
+            np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [9, 9, 9]]),
+            np.array([[0, 1, 2], [1, 2, 3]]),
+            np.array([0.1, 0.1, 5.0, 1.9]),
+            np.array([1.0, 1, 1, 1]),
+            np.array([0.5, 1.0]),
+            np.array([30.0, 60]),
+        )
         found = histograms(surface, 2.0)
         self.assertAlmostEqual(found["rms_curvature"][int(0.1 / 2 * KEPT)], 0.5)
         self.assertAlmostEqual(found["rms_curvature"][-1], 0.25)  # beyond the scale

@@ -1,6 +1,6 @@
 """The subdivision-surface baseline on phantoms: closed, of their topology, near the exact surface.
 
-    subdivision_test.py VASAMESH PERF_FOLDER
+subdivision_test.py VASAMESH PERF_FOLDER
 """
 
 import importlib.util
@@ -21,17 +21,24 @@ class Subdivision(unittest.TestCase):
     perf: str
 
     def run_program(self, *words: str) -> str:
-        return subprocess.run([self.program, *words], capture_output=True, text=True,
-                              check=False).stdout
+        return subprocess.run(
+            [self.program, *words], capture_output=True, text=True, check=False
+        ).stdout
 
     def check_phantom(self, name: str, handles: int) -> None:
         with tempfile.TemporaryDirectory() as folder:
             volume, exact, surface = (f"{folder}/{file}" for file in ("a.nii.gz", "e.ply", "s.ply"))
             self.run_program("phantom", name, "-o", volume, "--surface", exact)
-            subprocess.run([sys.executable, "-m", "baselines.subdivision", volume, surface],
-                           cwd=self.perf, check=True)
-            report = json.loads(self.run_program("check", surface, "--against", volume,
-                                                 "--reference", exact, "--json"))
+            subprocess.run(
+                [sys.executable, "-m", "baselines.subdivision", volume, surface],
+                cwd=self.perf,
+                check=True,
+            )
+            report = json.loads(
+                self.run_program(
+                    "check", surface, "--against", volume, "--reference", exact, "--json"
+                )
+            )
         check = report["check"]
         for defect in ("open_edges", "nonmanifold_edges", "misoriented_edges", "inverted_shells"):
             self.assertEqual(check[defect], 0, defect)

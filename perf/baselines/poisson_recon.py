@@ -1,5 +1,7 @@
-"""poisson_recon.py POINTS.ply SURFACE.ply [--depth D]: screened Poisson reconstruction (Kazhdan, Hoppe:
-Screened Poisson surface reconstruction, 2013) by PyPI's pymeshlab, of oriented points."""
+"""poisson_recon.py POINTS.ply SURFACE.ply [--depth D]: a surface of points by pymeshlab.
+
+Kazhdan, Hoppe: Screened Poisson surface reconstruction, 2013.
+"""
 
 import argparse
 import os
@@ -15,10 +17,10 @@ def main() -> None:
     arguments = parser.parse_args()
     meshes = pymeshlab.MeshSet()
     meshes.load_new_mesh(arguments.points)
-    meshes.generate_surface_reconstruction_screened_poisson(depth=arguments.depth,
-                                                            threads=os.cpu_count())
-    meshes.save_current_mesh(arguments.surface, save_vertex_quality=False,
-                             save_vertex_normal=False)
+    meshes.generate_surface_reconstruction_screened_poisson(
+        depth=arguments.depth, threads=os.cpu_count()
+    )
+    meshes.save_current_mesh(arguments.surface, save_vertex_quality=False, save_vertex_normal=False)
 
 
 if __name__ == "__main__":

@@ -20,7 +20,7 @@ class Anatomy:
 
 
 def widest_branching(lines: Centrelines, voxel: float) -> tuple[np.ndarray, float] | None:
-    """Where the branch starts whose radius is nearest to the wanted one, and its parent's radius."""
+    """Where the branch of the radius nearest to the wanted one starts, and its parent's radius."""
     found = []
     for branch in lines.branches:
         if branch.parent < 0 or len(branch.points) < 8:
@@ -28,8 +28,14 @@ def widest_branching(lines: Centrelines, voxel: float) -> tuple[np.ndarray, floa
         parent = lines.branches[branch.parent]
         radius = float(np.median(branch.radii))
         at = min(branch.parent_point, len(parent.points) - 1)
-        found.append((abs(radius / voxel - WANTED), len(found), parent.points[at],
-                      max(float(parent.radii[at]), 2 * voxel)))
+        found.append(
+            (
+                abs(radius / voxel - WANTED),
+                len(found),
+                parent.points[at],
+                max(float(parent.radii[at]), 2 * voxel),
+            )
+        )
     if not found:
         return None
     _, _, place, radius = min(found, key=lambda entry: entry[:2])
@@ -40,7 +46,7 @@ def anatomy(given: Input) -> Anatomy:
     image = sitk.ReadImage(str(given.volume))
     volume = sitk.GetArrayViewFromImage(image).transpose() != 0
     low, high = np.argwhere(volume).min(axis=0), np.argwhere(volume).max(axis=0) + 1
-    part = volume[low[0]:high[0], low[1]:high[1], low[2]:high[2]]
+    part = volume[low[0] : high[0], low[1] : high[1], low[2] : high[2]]
     spacing = np.array(image.GetSpacing())
     voxel = float(np.prod(spacing)) ** (1 / 3)
     indices, radii = skeleton_of(part, spacing)

@@ -21,15 +21,27 @@ def right_topology(row: Row) -> bool:
     """The segmentation's, on a surface that is one: closed, manifold, outward."""
     return bool(row["check"]["passed"]) or (
         row["check"]["topology"] == row["check"]["wanted"]
-        and not any(row["check"][defect] for defect in
-                    ("mismatched_pieces", "open_edges", "nonmanifold_edges",
-                     "nonmanifold_vertices", "misoriented_edges", "inverted_shells")))
+        and not any(
+            row["check"][defect]
+            for defect in (
+                "mismatched_pieces",
+                "open_edges",
+                "nonmanifold_edges",
+                "nonmanifold_vertices",
+                "misoriented_edges",
+                "inverted_shells",
+            )
+        )
+    )
 
 
 def complete(row: Row) -> bool:
     """Topology, no self-intersection and well-shaped triangles at once."""
-    return (right_topology(row) and row["check"]["intersecting_pairs"] == 0
-            and row["quality"]["edge_ratio_above_08"] > GOOD_SHARE)
+    return (
+        right_topology(row)
+        and row["check"]["intersecting_pairs"] == 0
+        and row["quality"]["edge_ratio_above_08"] > GOOD_SHARE
+    )
 
 
 def spread(row: Row) -> float:
@@ -48,8 +60,11 @@ def size_goals(ours: Row, rows: dict[str, Row], radius: float | None) -> list[Go
         if name not in rows:
             continue
         saved = fewer(ours, rows[name])
-        text = f"{100 * saved:.0f} % fewer triangles than {name}" if saved >= 0 else \
-            f"{-100 * saved:.0f} % more triangles than {name}"
+        text = (
+            f"{100 * saved:.0f} % fewer triangles than {name}"
+            if saved >= 0
+            else f"{-100 * saved:.0f} % more triangles than {name}"
+        )
         if radius is not None and radius < THICK:
             text += f" (not asked for: the median inscribed radius is {radius:.1f} voxels)"
         goals.append(Goal(text, saved > 0))
@@ -63,10 +78,18 @@ def mpu_goals(ours: Row, mpu: Row, name: str) -> list[Goal]:
             continue
         for way, title in (("to", f"to {surface}"), ("back", f"back from {surface}")):
             mine, theirs = (row[key][way]["mean_voxels"] for row in (ours, mpu))
-            goals.append(Goal(f"mean distance {title} {mine:.3f} voxels, {name}'s {theirs:.3f}",
-                              mine <= theirs))
-    goals.append(Goal(f"spread of the RMS curvature {spread(ours):.2f} /mm, {name}'s "
-                      f"{spread(mpu):.2f}", spread(ours) <= spread(mpu)))
+            goals.append(
+                Goal(
+                    f"mean distance {title} {mine:.3f} voxels, {name}'s {theirs:.3f}",
+                    mine <= theirs,
+                )
+            )
+    goals.append(
+        Goal(
+            f"spread of the RMS curvature {spread(ours):.2f} /mm, {name}'s " f"{spread(mpu):.2f}",
+            spread(ours) <= spread(mpu),
+        )
+    )
     return goals
 
 
@@ -74,19 +97,33 @@ def goals_of(rows: dict[str, Row], radius: float | None) -> list[Goal]:
     """For one input's finished rows by method, ours among them."""
     ours = rows["ours"]
     others = [name for name, row in rows.items() if name not in ("ours", "base") and complete(row)]
-    goals = [Goal("the segmentation's topology, no self-intersection and an edge ratio of 0.8 or more"
-                  f" in {100 * ours['quality']['edge_ratio_above_08']:.0f} % of the triangles",
-                  complete(ours)),
-             Goal("no other method has all three" if not others else
-                  f"{', '.join(others)} has all three too", not others)]
+    goals = [
+        Goal(
+            "the segmentation's topology, no self-intersection and an edge ratio of 0.8 or more"
+            f" in {100 * ours['quality']['edge_ratio_above_08']:.0f} % of the triangles",
+            complete(ours),
+        ),
+        Goal(
+            (
+                "no other method has all three"
+                if not others
+                else f"{', '.join(others)} has all three too"
+            ),
+            not others,
+        ),
+    ]
     goals += size_goals(ours, rows, radius)
     for name in MPU:
         if name in rows:
             goals += mpu_goals(ours, rows[name], name)
     if "mc" in rows:
         share = spread(ours) / max(spread(rows["mc"]), 1e-12)
-        goals.append(Goal(f"spread of the RMS curvature {share:.2f} of marching cubes' (at most "
-                          f"{HALF})", share <= HALF))
+        goals.append(
+            Goal(
+                f"spread of the RMS curvature {share:.2f} of marching cubes' (at most " f"{HALF})",
+                share <= HALF,
+            )
+        )
     return goals
 
 
@@ -99,10 +136,14 @@ FIGURES: tuple[tuple[str, Callable[[Row], float | None]], ...] = (
     ("mean distance back from it", lambda r: r["distance"]["back"]["mean_mm"]),
     ("largest distance to marching cubes", lambda r: r["distance"]["to"]["maximum_mm"]),
     ("largest distance back from it", lambda r: r["distance"]["back"]["maximum_mm"]),
-    ("mean distance to the exact surface",
-     lambda r: r["exact"]["to"]["mean_mm"] if "exact" in r else None),
-    ("mean distance back from it (exact)",
-     lambda r: r["exact"]["back"]["mean_mm"] if "exact" in r else None),
+    (
+        "mean distance to the exact surface",
+        lambda r: r["exact"]["to"]["mean_mm"] if "exact" in r else None,
+    ),
+    (
+        "mean distance back from it (exact)",
+        lambda r: r["exact"]["back"]["mean_mm"] if "exact" in r else None,
+    ),
     ("share of edge ratios of 0.8 and above", lambda r: -r["quality"]["edge_ratio_above_08"]),
     ("mean edge ratio", lambda r: -r["quality"]["edge_ratio"]["mean"]),
     ("least angle of all", lambda r: -r["quality"]["least_angle"]["minimum"]),
@@ -120,10 +161,14 @@ def better_than_ours(rows: dict[str, Row]) -> dict[str, list[str]]:
         mine = figure(rows["ours"])
         if mine is None:
             continue
-        names = [name for name, row in rows.items()
-                 if name not in ("ours", "base") and (value := figure(row)) is not None
-                 and value < mine
-                 and not (name == "mc" and "distance" in title and "exact" not in title)]
+        names = [
+            name
+            for name, row in rows.items()
+            if name not in ("ours", "base")
+            and (value := figure(row)) is not None
+            and value < mine
+            and not (name == "mc" and "distance" in title and "exact" not in title)
+        ]
         if names:
             found[title] = names
     return found

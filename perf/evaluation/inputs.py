@@ -21,14 +21,17 @@ class Input:
 
 
 def phantom_names(program: Path) -> set[str]:
-    return set(re.findall(r"^\s+([a-z_]+)\s{2,}", process.run([program, "phantom", "--help"]).output,
-                          re.MULTILINE))
+    return set(
+        re.findall(
+            r"^\s+([a-z_]+)\s{2,}", process.run([program, "phantom", "--help"]).output, re.MULTILINE
+        )
+    )
 
 
 def stem(path: Path) -> str:
     for ending in ENDINGS:
         if path.name.endswith(ending):
-            return path.name[:-len(ending)]
+            return path.name[: -len(ending)]
     return path.name
 
 
@@ -39,8 +42,9 @@ def open_input(text: str, program: Path, folder: Path) -> Input:
         path = Path(text).resolve()
         return Input(stem(path), path, None)
     if text not in phantom_names(program):
-        raise BadInput(f"{text}: no such file, and no phantom of that name; see `vasamesh phantom "
-                       "--help`")
+        raise BadInput(
+            f"{text}: no such file, and no phantom of that name; see `vasamesh phantom " "--help`"
+        )
     volume, exact = folder / f"{text}.nii.gz", folder / f"{text}_exact.ply"
     outcome = process.run([program, "phantom", text, "-o", volume, "--surface", exact])
     if outcome.code != 0:

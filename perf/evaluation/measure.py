@@ -76,8 +76,9 @@ def measure(name: str, given: Input, build: Path, folder: Path, timeout: float) 
         report = check(program, job.surface, *against, "--map", folder / f"{stem}.vtp")
         row.update({key: report[key] for key in ("check", "quality", "rms_curvature", "distance")})
         if given.exact:
-            row["exact"] = check(program, job.surface, *against, "--reference",
-                                 given.exact)["distance"]
+            row["exact"] = check(program, job.surface, *against, "--reference", given.exact)[
+                "distance"
+            ]
     except ValueError as error:
         return failed(name, "failed", str(error))
     return row

@@ -41,44 +41,90 @@ class Method:
 
 def ours(kind: str, *options: str) -> Callable[[Job], dict[str, Command]]:
     def steps(job: Job) -> dict[str, Command]:
-        return {"convert": [job.build / "vasamesh", "convert", job.volume, "-o", job.surface,
-                            "--label", "any", "--surface", kind, "--report", job.report, "--quiet",
-                            *options]}
+        return {
+            "convert": [
+                job.build / "vasamesh",
+                "convert",
+                job.volume,
+                "-o",
+                job.surface,
+                "--label",
+                "any",
+                "--surface",
+                kind,
+                "--report",
+                job.report,
+                "--quiet",
+                *options,
+            ]
+        }
+
     return steps
 
 
 def baseline(name: str, *options: str) -> Callable[[Job], dict[str, Command]]:
     def steps(job: Job) -> dict[str, Command]:
         return {name: [job.build / f"vasamesh_baseline_{name}", job.volume, job.surface, *options]}
+
     return steps
 
 
 def poisson(job: Job) -> dict[str, Command]:
     points = job.scratch / "points.ply"
-    return {"points": [job.build / "vasamesh_baseline_points", job.volume, points],
-            "reconstruction": [sys.executable, PERF / "baselines" / "poisson_recon.py", points,
-                               job.surface]}
+    return {
+        "points": [job.build / "vasamesh_baseline_points", job.volume, points],
+        "reconstruction": [
+            sys.executable,
+            PERF / "baselines" / "poisson_recon.py",
+            points,
+            job.surface,
+        ],
+    }
 
 
 def subdivision(job: Job) -> dict[str, Command]:
-    return {"subdivision": [sys.executable, "-B", "-m", "baselines.subdivision", job.volume,
-                            job.surface]}
+    return {
+        "subdivision": [
+            sys.executable,
+            "-B",
+            "-m",
+            "baselines.subdivision",
+            job.volume,
+            job.surface,
+        ]
+    }
 
 
 METHODS = {
     "ours": Method("ours, adaptive", ours("adaptive"), ("vasamesh",)),
     "base": Method("ours, base surface", ours("base"), ("vasamesh",)),
     "mc": Method("marching cubes", baseline("mc"), ("vasamesh_baseline_mc",)),
-    "mc-smooth": Method("marching cubes, smoothed and decimated", baseline("mc", "--smooth"),
-                        ("vasamesh_baseline_mc",)),
-    "mpu": Method("MPU implicits, tolerance 0.2 voxels", baseline("mpu"),
-                  ("vasamesh_baseline_mpu",)),
-    "mpu-smooth": Method("MPU implicits, tolerance 0.8 voxels", baseline("mpu", "--tolerance", "0.8"),
-                         ("vasamesh_baseline_mpu",)),
-    "ss": Method("subdivision surface", subdivision, (),
-                 (("skimage", "scikit-image"), ("SimpleITK", "SimpleITK"), ("scipy", "scipy"),
-                  ("vtkmodules", "vtk"))),
+    "mc-smooth": Method(
+        "marching cubes, smoothed and decimated",
+        baseline("mc", "--smooth"),
+        ("vasamesh_baseline_mc",),
+    ),
+    "mpu": Method(
+        "MPU implicits, tolerance 0.2 voxels", baseline("mpu"), ("vasamesh_baseline_mpu",)
+    ),
+    "mpu-smooth": Method(
+        "MPU implicits, tolerance 0.8 voxels",
+        baseline("mpu", "--tolerance", "0.8"),
+        ("vasamesh_baseline_mpu",),
+    ),
+    "ss": Method(
+        "subdivision surface",
+        subdivision,
+        (),
+        (
+            ("skimage", "scikit-image"),
+            ("SimpleITK", "SimpleITK"),
+            ("scipy", "scipy"),
+            ("vtkmodules", "vtk"),
+        ),
+    ),
     "mesh3": Method("CGAL Mesh_3", baseline("mesh3"), ("vasamesh_baseline_mesh3",)),
-    "psr": Method("screened Poisson", poisson, ("vasamesh_baseline_points",),
-                  (("pymeshlab", "pymeshlab"),)),
+    "psr": Method(
+        "screened Poisson", poisson, ("vasamesh_baseline_points",), (("pymeshlab", "pymeshlab"),)
+    ),
 }

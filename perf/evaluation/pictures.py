@@ -17,13 +17,16 @@ TILE = (360, 300)  # pixels
 COLUMNS = 3
 COLOURS = 80
 CURVATURE_COLOURS = "turbo"
-AXES = (("rms_curvature", "RMS curvature, 1/mm", "share of the area"),
-        ("edge_ratio", "edge ratio", "share of the triangles"),
-        ("least_angle", "least angle, degrees", "share of the triangles"))
+AXES = (
+    ("rms_curvature", "RMS curvature, 1/mm", "share of the area"),
+    ("edge_ratio", "edge ratio", "share of the triangles"),
+    ("least_angle", "least angle, degrees", "share of the triangles"),
+)
 
 
-def draw_histograms(shares: dict[str, dict[str, list[float]]], curvature_limit: float,
-                    path: Path) -> None:
+def draw_histograms(
+    shares: dict[str, dict[str, list[float]]], curvature_limit: float, path: Path
+) -> None:
     """One plot a figure, one line a method."""
     limits = {"rms_curvature": curvature_limit, "edge_ratio": 1.0, "least_angle": 60.0}
     figure, axes = pyplot.subplots(1, 3, figsize=(12, 3.4))
@@ -58,8 +61,12 @@ def poly_data(surface: SurfaceMap, chosen: np.ndarray | None = None) -> pyvista.
 def tiles(names: list[str]) -> pyvista.Plotter:
     columns = min(COLUMNS, len(names))
     rows = -(-len(names) // columns)
-    return pyvista.Plotter(off_screen=True, shape=(rows, columns), border=False,
-                           window_size=(TILE[0] * columns, TILE[1] * rows))
+    return pyvista.Plotter(
+        off_screen=True,
+        shape=(rows, columns),
+        border=False,
+        window_size=(TILE[0] * columns, TILE[1] * rows),
+    )
 
 
 def draw_curvature(surfaces: dict[str, SurfaceMap], limit: float, path: Path) -> None:
@@ -69,8 +76,12 @@ def draw_curvature(surfaces: dict[str, SurfaceMap], limit: float, path: Path) ->
     for i, name in enumerate(names):
         plotter.subplot(i // COLUMNS, i % COLUMNS)
         plotter.add_text(name, font_size=9, color="black")
-        plotter.add_mesh(poly_data(surfaces[name]), clim=(0, limit), cmap=CURVATURE_COLOURS,
-                         show_scalar_bar=i == len(names) - 1)
+        plotter.add_mesh(
+            poly_data(surfaces[name]),
+            clim=(0, limit),
+            cmap=CURVATURE_COLOURS,
+            show_scalar_bar=i == len(names) - 1,
+        )
         plotter.view_vector((0, -1, 0), (0, 0, 1))
         plotter.camera.zoom(1.35)
     plotter.set_background("white", all_renderers=True)
@@ -79,8 +90,9 @@ def draw_curvature(surfaces: dict[str, SurfaceMap], limit: float, path: Path) ->
     reduce_colours(path)
 
 
-def draw_close(surfaces: dict[str, SurfaceMap], centre: np.ndarray, radius: float, path: Path,
-               view: np.ndarray) -> None:
+def draw_close(
+    surfaces: dict[str, SurfaceMap], centre: np.ndarray, radius: float, path: Path, view: np.ndarray
+) -> None:
     """The triangles of each surface in a ball."""
     names = list(surfaces)
     plotter = tiles(names)
@@ -89,8 +101,13 @@ def draw_close(surfaces: dict[str, SurfaceMap], centre: np.ndarray, radius: floa
         plotter.add_text(name, font_size=9, color="black")
         chosen = in_ball(surfaces[name], centre, radius)
         if chosen.any():
-            plotter.add_mesh(poly_data(surfaces[name], chosen), color="#e2a58f", show_edges=True,
-                             edge_color="#40201a", line_width=1)
+            plotter.add_mesh(
+                poly_data(surfaces[name], chosen),
+                color="#e2a58f",
+                show_edges=True,
+                edge_color="#40201a",
+                line_width=1,
+            )
         plotter.camera.focal_point = centre
         plotter.camera.position = centre + 10 * radius * view
         plotter.camera.up = np.eye(3)[np.argmin(np.abs(view))]
@@ -105,12 +122,19 @@ def draw_close(surfaces: dict[str, SurfaceMap], centre: np.ndarray, radius: floa
 
 def draw_sweep(sweep: dict[str, Any], path: Path) -> None:
     """Triangles, error and shape against each of the constants that is a number."""
-    names = [name for name, runs in sweep["constants"].items()
-             if all(isinstance(run["value"], (int, float)) for run in runs)]
-    figures = (("triangles", "triangles"), ("mean_voxels", "mean distance, voxels"),
-               ("above_08", "edge ratio of 0.8 and above"))
-    figure, axes = pyplot.subplots(len(figures), len(names), figsize=(3 * len(names), 6),
-                                   squeeze=False, sharey="row")
+    names = [
+        name
+        for name, runs in sweep["constants"].items()
+        if all(isinstance(run["value"], (int, float)) for run in runs)
+    ]
+    figures = (
+        ("triangles", "triangles"),
+        ("mean_voxels", "mean distance, voxels"),
+        ("above_08", "edge ratio of 0.8 and above"),
+    )
+    figure, axes = pyplot.subplots(
+        len(figures), len(names), figsize=(3 * len(names), 6), squeeze=False, sharey="row"
+    )
     for column, name in enumerate(names):
         runs = [run for run in sweep["constants"][name] if run["status"] == "done"]
         for row, (key, title) in enumerate(figures):

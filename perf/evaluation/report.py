@@ -18,11 +18,11 @@ from .tables import Section, input_sections, input_table, markdown
 CURVATURES = 1.5  # the scale of all pictures' curvatures, over the 95th percentile of ours
 
 TEXT = """\
-Written by `perf/compare` with {version} on a {machine}; {load:.1f} processes wanted a core on average
-at the end, so that wall-clock times are those of a shared machine. A voxel as a unit is the geometric
-mean of the three spacings. The best of a column is **bold**; `base` is our own surface before it is
-made adaptive. Marching cubes is the reference of the distances, as in the paper, and far from the
-exact surface itself."""
+Written by `perf/compare` with {version} on a {machine}; {load:.1f} processes wanted a core on
+average at the end, so that wall-clock times are those of a shared machine. A voxel as a unit is the
+geometric mean of the three spacings. The best of a column is **bold**; `base` is our own surface
+before it is made adaptive. Marching cubes is the reference of the distances, as in the paper, and
+far from the exact surface itself."""
 
 
 def anatomy_of(given: Input) -> tuple[dict[str, Any] | None, str]:
@@ -30,27 +30,49 @@ def anatomy_of(given: Input) -> tuple[dict[str, Any] | None, str]:
     try:
         from .branching import anatomy  # optional packages
     except ImportError as error:
-        return None, (f"No Python package {error.name} here: no median radius and no close-up; see "
-                      "perf/requirements.txt.")
+        return None, (
+            f"No Python package {error.name} here: no median radius and no close-up; see "
+            "perf/requirements.txt."
+        )
     return asdict(anatomy(given)), ""
 
 
 def facts_of(program: Path, given: Input, folder: Path) -> dict[str, Any]:
     """The segmentation's size and topology, by way of its base surface's report."""
     report = folder / f"{given.name}_facts.json"
-    outcome = process.run([program, "convert", given.volume, "-o", folder / f"{given.name}_facts.ply",
-                           "--label", "any", "--surface", "base", "--quiet", "--report", report])
+    outcome = process.run(
+        [
+            program,
+            "convert",
+            given.volume,
+            "-o",
+            folder / f"{given.name}_facts.ply",
+            "--label",
+            "any",
+            "--surface",
+            "base",
+            "--quiet",
+            "--report",
+            report,
+        ]
+    )
     if outcome.code != 0:
         raise ValueError(f"{given.name}: {outcome.error.strip()}")
     content = json.loads(report.read_text())
-    return {"name": given.name, "exact": "known" if given.exact else "-",
-            "size": content["geometry"]["size"], "spacing": content["geometry"]["spacing"],
-            "object_voxels": content["input"]["object_voxels"],
-            "topology": content["check"]["wanted"], "version": content["version"]}
+    return {
+        "name": given.name,
+        "exact": "known" if given.exact else "-",
+        "size": content["geometry"]["size"],
+        "spacing": content["geometry"]["spacing"],
+        "object_voxels": content["input"]["object_voxels"],
+        "topology": content["check"]["wanted"],
+        "version": content["version"],
+    }
 
 
-def evaluate(given: Input, methods: list[str], build: Path, folder: Path,
-             timeout: float) -> dict[str, Any]:
+def evaluate(
+    given: Input, methods: list[str], build: Path, folder: Path, timeout: float
+) -> dict[str, Any]:
     """All methods on one input."""
     found = facts_of(build / "vasamesh", given, folder)
     place, why_not = anatomy_of(given)
@@ -63,8 +85,9 @@ def evaluate(given: Input, methods: list[str], build: Path, folder: Path,
     rows = {row["method"]: row for row in found["methods"] if row["status"] == "done"}
     found["independent"] = []
     if independent.available() and {"ours", "mc"} <= rows.keys():
-        other = independent.hausdorff(folder / f"{given.name}_ours.ply",
-                                      folder / f"{given.name}_mc.ply")
+        other = independent.hausdorff(
+            folder / f"{given.name}_ours.ply", folder / f"{given.name}_mc.ply"
+        )
         found["independent"].append(independent.sentence("ours", rows["ours"], other))
     return found
 
@@ -75,8 +98,9 @@ def curvature_limit(rows: dict[str, dict[str, Any]]) -> float:
     return float(f"{CURVATURES * first['rms_curvature']['percentile_95']:.2g}")
 
 
-def draw_input(found: dict[str, Any], folder: Path, scratch: Path,
-               most: int) -> tuple[dict[str, str], dict[str, Any]]:
+def draw_input(
+    found: dict[str, Any], folder: Path, scratch: Path, most: int
+) -> tuple[dict[str, str], dict[str, Any]]:
     """The pictures' file names by kind, and the page's scene. Needs the optional packages."""
     import numpy as np
 
@@ -97,16 +121,22 @@ def draw_input(found: dict[str, Any], folder: Path, scratch: Path,
     place = found["anatomy"]
     if place:
         files["close"] = f"{name}_close.png"
-        pictures.draw_close(maps, np.array(place["place"]), place["radius"],
-                            folder / files["close"], np.array([0.0, -1.0, 0.0]))
+        pictures.draw_close(
+            maps,
+            np.array(place["place"]),
+            place["radius"],
+            folder / files["close"],
+            np.array([0.0, -1.0, 0.0]),
+        )
     centre, radius = (place["place"], place["radius"]) if place else ([0, 0, 0], 1e9)
     return files, page.scene(maps, centre, radius, most, limit)
 
 
 def sections_of(content: dict[str, Any], pictures: dict[str, dict[str, str]]) -> list[Section]:
     first = Section("Vessel surfaces compared", 1, [TEXT.format(**content), *content["notes"]])
-    titles = Section("Methods", items=[f"`{name}`: {METHODS[name].title}"
-                                       for name in content["methods"]])
+    titles = Section(
+        "Methods", items=[f"`{name}`: {METHODS[name].title}" for name in content["methods"]]
+    )
     sections = [first, titles, Section("Data sets", table=input_table(content))]
     for given in content["inputs"]:
         sections += input_sections(given, pictures.get(given["name"], {}))

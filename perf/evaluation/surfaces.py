@@ -26,12 +26,14 @@ def read_map(path: Path) -> SurfaceMap:
     reader.Update()
     data = reader.GetOutput()
     points, cells = data.GetPointData(), data.GetCellData()
-    return SurfaceMap(vtk_to_numpy(data.GetPoints().GetData()).copy(),
-                      vtk_to_numpy(data.GetPolys().GetConnectivityArray()).reshape(-1, 3).copy(),
-                      vtk_to_numpy(points.GetArray("rms_curvature")).copy(),
-                      vtk_to_numpy(points.GetArray("area")).copy(),
-                      vtk_to_numpy(cells.GetArray("edge_ratio")).copy(),
-                      vtk_to_numpy(cells.GetArray("least_angle")).copy())
+    return SurfaceMap(
+        vtk_to_numpy(data.GetPoints().GetData()).copy(),
+        vtk_to_numpy(data.GetPolys().GetConnectivityArray()).reshape(-1, 3).copy(),
+        vtk_to_numpy(points.GetArray("rms_curvature")).copy(),
+        vtk_to_numpy(points.GetArray("area")).copy(),
+        vtk_to_numpy(cells.GetArray("edge_ratio")).copy(),
+        vtk_to_numpy(cells.GetArray("least_angle")).copy(),
+    )
 
 
 def in_ball(surface: SurfaceMap, centre: np.ndarray, radius: float) -> np.ndarray:
@@ -44,9 +46,11 @@ def histograms(surface: SurfaceMap, curvature_limit: float) -> dict[str, list[fl
     """Shares in equal bins: of the area by RMS curvature, 0 to the limit and beyond (in the last
     one), and of the triangles by edge ratio (0 to 1) and least angle (0 to 60)."""
     curvature = np.minimum(surface.rms_curvature, curvature_limit * (1 - 1e-6))
-    found = {"rms_curvature": (curvature, curvature_limit, surface.area),
-             "edge_ratio": (surface.edge_ratio, 1.0, None),
-             "least_angle": (surface.least_angle, 60.0, None)}
+    found = {
+        "rms_curvature": (curvature, curvature_limit, surface.area),
+        "edge_ratio": (surface.edge_ratio, 1.0, None),
+        "least_angle": (surface.least_angle, 60.0, None),
+    }
     shares = {}
     for name, (values, limit, weights) in found.items():
         counts, _ = np.histogram(values, KEPT, (0, limit), weights=weights)

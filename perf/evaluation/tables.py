@@ -38,8 +38,10 @@ def best_marked(values: list[float | None], digits: int, sign: int) -> list[str]
     known = [sign * value for value in values if value is not None]
     if sign == 0 or len(known) < 2:
         return cells
-    return [f"**{cell}**" if value is not None and sign * value == min(known) else cell
-            for cell, value in zip(cells, values)]
+    return [
+        f"**{cell}**" if value is not None and sign * value == min(known) else cell
+        for cell, value in zip(cells, values)
+    ]
 
 
 @dataclass(frozen=True)
@@ -69,29 +71,36 @@ def quality(*path: str) -> Callable[[Row], float]:
         for name in path:
             found = found[name]
         return found
+
     return value
 
 
-SIZE = [Column("vertices", lambda r: r["check"]["vertices"]),
-        Column("triangles", lambda r: r["check"]["triangles"]),
-        Column("wall clock, s", lambda r: r["wall"], 2),
-        Column("processor, s", lambda r: r["cpu"], 2),
-        Column("peak memory, MB", lambda r: r["peak"] / 1e6)]
-SHAPE = [Column("edge ratio, mean", quality("edge_ratio", "mean"), 2, -1),
-         Column("sd", quality("edge_ratio", "deviation"), 2),
-         Column("0.8 and above, %", lambda r: 100 * r["quality"]["edge_ratio_above_08"], 1, -1),
-         Column("below 0.3, %", lambda r: 100 * r["quality"]["edge_ratio_below_03"], 2),
-         Column("below 0.1, %", lambda r: 100 * r["quality"]["edge_ratio_below_01"], 2),
-         Column("least angle, mean", quality("least_angle", "mean"), 1, -1),
-         Column("5th percentile", quality("least_angle", "percentile_5"), 1, -1),
-         Column("least", quality("least_angle", "minimum"), 1, -1),
-         Column("size ratio, mean", quality("size_ratio", "mean"), 2),
-         Column("95th percentile", quality("size_ratio", "percentile_95"), 2)]
-SMOOTH = [Column("RMS curvature, mean, 1/mm", lambda r: r["rms_curvature"]["mean"], 2, 0),
-          Column("5th percentile", lambda r: r["rms_curvature"]["percentile_5"], 2, 0),
-          Column("median", lambda r: r["rms_curvature"]["median"], 2, 0),
-          Column("95th percentile", lambda r: r["rms_curvature"]["percentile_95"], 2, 0),
-          Column("spread, 95th - 5th", spread, 2)]
+SIZE = [
+    Column("vertices", lambda r: r["check"]["vertices"]),
+    Column("triangles", lambda r: r["check"]["triangles"]),
+    Column("wall clock, s", lambda r: r["wall"], 2),
+    Column("processor, s", lambda r: r["cpu"], 2),
+    Column("peak memory, MB", lambda r: r["peak"] / 1e6),
+]
+SHAPE = [
+    Column("edge ratio, mean", quality("edge_ratio", "mean"), 2, -1),
+    Column("sd", quality("edge_ratio", "deviation"), 2),
+    Column("0.8 and above, %", lambda r: 100 * r["quality"]["edge_ratio_above_08"], 1, -1),
+    Column("below 0.3, %", lambda r: 100 * r["quality"]["edge_ratio_below_03"], 2),
+    Column("below 0.1, %", lambda r: 100 * r["quality"]["edge_ratio_below_01"], 2),
+    Column("least angle, mean", quality("least_angle", "mean"), 1, -1),
+    Column("5th percentile", quality("least_angle", "percentile_5"), 1, -1),
+    Column("least", quality("least_angle", "minimum"), 1, -1),
+    Column("size ratio, mean", quality("size_ratio", "mean"), 2),
+    Column("95th percentile", quality("size_ratio", "percentile_95"), 2),
+]
+SMOOTH = [
+    Column("RMS curvature, mean, 1/mm", lambda r: r["rms_curvature"]["mean"], 2, 0),
+    Column("5th percentile", lambda r: r["rms_curvature"]["percentile_5"], 2, 0),
+    Column("median", lambda r: r["rms_curvature"]["median"], 2, 0),
+    Column("95th percentile", lambda r: r["rms_curvature"]["percentile_95"], 2, 0),
+    Column("spread, 95th - 5th", spread, 2),
+]
 
 
 def figures(rows: list[Row], columns: list[Column]) -> Table:
@@ -105,8 +114,12 @@ def figures(rows: list[Row], columns: list[Column]) -> Table:
     lines = []
     for row in rows:
         found = cells.get(row["method"])
-        lines.append([row["method"], *(found or [f"{row['status']}: {row['reason']}"]
-                                       + [""] * (len(columns) - 1))])
+        lines.append(
+            [
+                row["method"],
+                *(found or [f"{row['status']}: {row['reason']}"] + [""] * (len(columns) - 1)),
+            ]
+        )
     return Table(["method", *[column.title for column in columns]], lines)
 
 
@@ -122,25 +135,62 @@ def topology_table(rows: list[Row]) -> Table:
             continue
         check = row["check"]
         right = check["topology"] == check["wanted"] and not check["mismatched_pieces"]
-        names = ("open_edges", "nonmanifold_edges", "nonmanifold_vertices", "intersecting_pairs",
-                 "degenerate_triangles")
-        lines.append([row["method"], triple(check["topology"]), "yes" if right else "no",
-                      *[f"{check[name]:,}" for name in names]])
-    return Table(["method", "pieces / handles / cavities", "as the segmentation", "open edges",
-                  "non-manifold edges", "non-manifold vertices", "self-intersecting pairs",
-                  "degenerate triangles"], lines)
+        names = (
+            "open_edges",
+            "nonmanifold_edges",
+            "nonmanifold_vertices",
+            "intersecting_pairs",
+            "degenerate_triangles",
+        )
+        lines.append(
+            [
+                row["method"],
+                triple(check["topology"]),
+                "yes" if right else "no",
+                *[f"{check[name]:,}" for name in names],
+            ]
+        )
+    return Table(
+        [
+            "method",
+            "pieces / handles / cavities",
+            "as the segmentation",
+            "open edges",
+            "non-manifold edges",
+            "non-manifold vertices",
+            "self-intersecting pairs",
+            "degenerate triangles",
+        ],
+        lines,
+    )
 
 
 def input_table(content: Content) -> Table:
     lines = []
     for given in content["inputs"]:
-        lines.append([given["name"], " x ".join(str(n) for n in given["size"]),
-                      " x ".join(f"{s:.4g}" for s in given["spacing"]),
-                      f"{given['object_voxels']:,}", triple(given["topology"]),
-                      number(given["median_radius"], 2), given["exact"]])
-    return Table(["data set", "voxels", "voxel size, mm", "voxels of the vessel",
-                  "pieces / handles / cavities", "median inscribed radius, voxels",
-                  "exact surface"], lines)
+        lines.append(
+            [
+                given["name"],
+                " x ".join(str(n) for n in given["size"]),
+                " x ".join(f"{s:.4g}" for s in given["spacing"]),
+                f"{given['object_voxels']:,}",
+                triple(given["topology"]),
+                number(given["median_radius"], 2),
+                given["exact"],
+            ]
+        )
+    return Table(
+        [
+            "data set",
+            "voxels",
+            "voxel size, mm",
+            "voxels of the vessel",
+            "pieces / handles / cavities",
+            "median inscribed radius, voxels",
+            "exact surface",
+        ],
+        lines,
+    )
 
 
 def stage_text(rows: list[Row]) -> list[str]:
@@ -148,9 +198,11 @@ def stage_text(rows: list[Row]) -> list[str]:
     for row in rows:
         if row["status"] == "done" and len(row["stages"]) > 1:
             held = row.get("held", {})
-            parts = ", ".join(f"{name} {seconds:.2f}"
-                              + (f" ({held[name] / 1e6:.0f} MB held)" if held.get(name) else "")
-                              for name, seconds in row["stages"].items())
+            parts = ", ".join(
+                f"{name} {seconds:.2f}"
+                + (f" ({held[name] / 1e6:.0f} MB held)" if held.get(name) else "")
+                for name, seconds in row["stages"].items()
+            )
             lines.append(f"{row['method']}, seconds by stage: {parts}.")
     return lines
 
@@ -161,34 +213,61 @@ def judgement(given: Content) -> Section:
     if "ours" not in rows:
         section.text = ["Ours has no figures."]
         return section
-    section.items = [("met: " if goal.met else "**not met**: ") + goal.text
-                     for goal in goals_of(rows, given["median_radius"])]
+    section.items = [
+        ("met: " if goal.met else "**not met**: ") + goal.text
+        for goal in goals_of(rows, given["median_radius"])
+    ]
     better = better_than_ours(rows)
-    section.items += [f"better than ours in {title}: {', '.join(names)}"
-                      for title, names in better.items()]
+    section.items += [
+        f"better than ours in {title}: {', '.join(names)}" for title, names in better.items()
+    ]
     return section
 
 
 def input_sections(given: Content, pictures: dict[str, str]) -> list[Section]:
     """All of one input; `pictures` are file names by kind."""
     rows = given["methods"]
-    shown = {kind: [(pictures[kind], caption)] if kind in pictures else [] for kind, caption in (
-        ("curvature", "RMS curvature, 1/mm, the same scale for every method"),
-        ("histograms", "RMS curvature over the area, edge ratio and least angle over triangles"),
-        ("close", "A branching"))}
-    sections = [Section(given["name"]), judgement(given),
-                Section("Size and cost", 3, stage_text(rows), figures(rows, SIZE)),
-                Section("Distance to marching cubes", 3, given.get("independent", []),
-                        figures(rows, way_columns("distance")))]
+    shown = {
+        kind: [(pictures[kind], caption)] if kind in pictures else []
+        for kind, caption in (
+            ("curvature", "RMS curvature, 1/mm, the same scale for every method"),
+            (
+                "histograms",
+                "RMS curvature over the area, edge ratio and least angle over triangles",
+            ),
+            ("close", "A branching"),
+        )
+    }
+    sections = [
+        Section(given["name"]),
+        judgement(given),
+        Section("Size and cost", 3, stage_text(rows), figures(rows, SIZE)),
+        Section(
+            "Distance to marching cubes",
+            3,
+            given.get("independent", []),
+            figures(rows, way_columns("distance")),
+        ),
+    ]
     if any("exact" in row for row in rows):
-        sections.append(Section("Distance to the exact surface", 3,
-                                table=figures(rows, way_columns("exact"))))
-    sections += [Section("Smoothness", 3, table=figures(rows, SMOOTH),
-                         pictures=shown["curvature"] + shown["histograms"]),
-                 Section("Triangle quality", 3, table=figures(rows, SHAPE),
-                         pictures=shown["close"]),
-                 Section("Topology", 3, [f"The segmentation's: {triple(given['topology'])}."],
-                         topology_table(rows))]
+        sections.append(
+            Section("Distance to the exact surface", 3, table=figures(rows, way_columns("exact")))
+        )
+    sections += [
+        Section(
+            "Smoothness",
+            3,
+            table=figures(rows, SMOOTH),
+            pictures=shown["curvature"] + shown["histograms"],
+        ),
+        Section("Triangle quality", 3, table=figures(rows, SHAPE), pictures=shown["close"]),
+        Section(
+            "Topology",
+            3,
+            [f"The segmentation's: {triple(given['topology'])}."],
+            topology_table(rows),
+        ),
+    ]
     return sections
 
 
@@ -221,9 +300,11 @@ def to_html(text: str) -> str:
 
 def html_table(table: Table) -> str:
     head = "".join(f"<th>{to_html(cell)}</th>" for cell in table.head)
-    rows = "".join("<tr>" + "".join(f"<td>{to_html(cell)}</td>" for cell in row) + "</tr>\n"
-                   for row in table.rows)
-    return f"<div class=\"wide\"><table><tr>{head}</tr>\n{rows}</table></div>\n"
+    rows = "".join(
+        "<tr>" + "".join(f"<td>{to_html(cell)}</td>" for cell in row) + "</tr>\n"
+        for row in table.rows
+    )
+    return f'<div class="wide"><table><tr>{head}</tr>\n{rows}</table></div>\n'
 
 
 def html_sections(sections: list[Section], source: Callable[[str], str]) -> str:
@@ -235,9 +316,12 @@ def html_sections(sections: list[Section], source: Callable[[str], str]) -> str:
         if section.table:
             parts.append(html_table(section.table))
         if section.items:
-            parts.append("<ul>" + "".join(f"<li>{to_html(i)}</li>\n" for i in section.items) +
-                         "</ul>\n")
-        parts += [f"<figure><img src=\"{source(file)}\" alt=\"{to_html(caption)}\"><figcaption>"
-                  f"{to_html(caption)}</figcaption></figure>\n"
-                  for file, caption in section.pictures]
+            parts.append(
+                "<ul>" + "".join(f"<li>{to_html(i)}</li>\n" for i in section.items) + "</ul>\n"
+            )
+        parts += [
+            f'<figure><img src="{source(file)}" alt="{to_html(caption)}"><figcaption>'
+            f"{to_html(caption)}</figcaption></figure>\n"
+            for file, caption in section.pictures
+        ]
     return "".join(parts)

@@ -23,8 +23,10 @@ def to_vtk(vertices: np.ndarray, triangles: np.ndarray) -> vtkPolyData:
     points.SetData(numpy_to_vtk(np.ascontiguousarray(vertices, dtype=np.float32), deep=True))
     cells = vtkCellArray()
     offsets = np.arange(0, 3 * len(triangles) + 1, 3, dtype=np.int64)
-    cells.SetData(numpy_to_vtkIdTypeArray(offsets, deep=True),
-                  numpy_to_vtkIdTypeArray(triangles.ravel().astype(np.int64), deep=True))
+    cells.SetData(
+        numpy_to_vtkIdTypeArray(offsets, deep=True),
+        numpy_to_vtkIdTypeArray(triangles.ravel().astype(np.int64), deep=True),
+    )
     data = vtkPolyData()
     data.SetPoints(points)
     data.SetPolys(cells)
@@ -35,12 +37,14 @@ def subdivision_surface(image: sitk.Image) -> vtkPolyData:
     """The surface round the voxels other than 0, in mm, LPS."""
     volume = sitk.GetArrayViewFromImage(image).transpose() != 0
     low, high = np.argwhere(volume).min(axis=0), np.argwhere(volume).max(axis=0) + 1
-    part = volume[low[0]:high[0], low[1]:high[1], low[2]:high[2]]
+    part = volume[low[0] : high[0], low[1] : high[1], low[2] : high[2]]
     spacing = np.array(image.GetSpacing())
     mesh = tube_mesh(centrelines(part, spacing), float(np.prod(spacing)) ** (1 / 3))
     vertices, triangles = mesh.triangles()
     direction = np.array(image.GetDirection()).reshape(3, 3)
-    vertices = (interpolating(vertices, triangles) + low * spacing) @ direction.T + np.array(image.GetOrigin())
+    vertices = (interpolating(vertices, triangles) + low * spacing) @ direction.T + np.array(
+        image.GetOrigin()
+    )
     if np.linalg.det(direction) < 0:
         triangles = triangles[:, ::-1]
     subdivision = vtkLoopSubdivisionFilter()

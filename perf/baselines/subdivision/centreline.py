@@ -33,8 +33,8 @@ def skeleton_of(volume: np.ndarray, spacing: np.ndarray) -> tuple[np.ndarray, np
     """Indices (n x 3) of the thinned object and the radii there, mm.
 
     The distance is that to the nearest centre of background: just outside a thick vessel, half a
-    voxel outside a line of voxels. The largest one round a voxel is taken, since thinning leaves the
-    middle by up to a voxel.
+    voxel outside a line of voxels. The largest one round a voxel is taken, since thinning leaves
+    the middle by up to a voxel.
     """
     padded = np.pad(volume, 1)
     depth = ndimage.distance_transform_edt(padded, sampling=spacing)
@@ -73,8 +73,9 @@ def spanning_forest(graph: sparse.csr_matrix, radii: np.ndarray) -> tuple[np.nda
         inside = graph[members][:, members]
         thickest = int(np.argmax(radii[members]))
         root = int(np.argmax(csgraph.dijkstra(inside, directed=False, indices=thickest)))
-        along, before = csgraph.dijkstra(inside, directed=False, indices=root,
-                                         return_predecessors=True)
+        along, before = csgraph.dijkstra(
+            inside, directed=False, indices=root, return_predecessors=True
+        )
         distances[members] = along
         parents[members] = np.where(before < 0, -1, members[np.maximum(before, 0)])
     return parents, distances
@@ -102,8 +103,13 @@ def paths_of(parents: np.ndarray, distances: np.ndarray) -> list[list[int]]:
     return paths
 
 
-def loop_edges(graph: sparse.csr_matrix, parents: np.ndarray, distances: np.ndarray,
-               radii: np.ndarray, voxel: float) -> list[tuple[int, int]]:
+def loop_edges(
+    graph: sparse.csr_matrix,
+    parents: np.ndarray,
+    distances: np.ndarray,
+    radii: np.ndarray,
+    voxel: float,
+) -> list[tuple[int, int]]:
     """Edges beside the forest that close a loop of some size, one a loop."""
     upper = sparse.triu(graph).tocoo()
     found: list[tuple[int, int]] = []
@@ -140,8 +146,9 @@ def smoothed(points: np.ndarray, fixed: bool) -> np.ndarray:
     return smooth
 
 
-def to_tip(points: np.ndarray, radius: float, volume: np.ndarray,
-           spacing: np.ndarray) -> np.ndarray:
+def to_tip(
+    points: np.ndarray, radius: float, volume: np.ndarray, spacing: np.ndarray
+) -> np.ndarray:
     """The line drawn on to the centre of the vessel's round end, which thinning has cut off."""
     way = points[-1] - points[-min(len(points), TIP)]
     length = float(np.linalg.norm(way))
@@ -203,8 +210,9 @@ def draw_on(lines: Centrelines, volume: np.ndarray, spacing: np.ndarray) -> None
             added = len(back) - len(branch.points)
             for child in lines.branches:
                 child.parent_point += added if child.parent == number else 0
-            lines.loops = [tuple((n, p + added if n == number else p) for n, p in loop)
-                           for loop in lines.loops]
+            lines.loops = [
+                tuple((n, p + added if n == number else p) for n, p in loop) for loop in lines.loops
+            ]
             grow(branch, back, True)
 
 
