@@ -35,8 +35,13 @@ def run(command, timeout=None, folder=None):
         timer = threading.Timer(timeout or threading.TIMEOUT_MAX, end, (child.pid, expired))
         timer.daemon = True
         timer.start()
-        _, status, usage = os.wait4(child.pid, 0)
-        timer.cancel()
+        try:
+            _, status, usage = os.wait4(child.pid, 0)
+        except KeyboardInterrupt:
+            end(child.pid, expired)
+            raise
+        finally:
+            timer.cancel()
         wall = time.monotonic() - start
         child.returncode = os.waitstatus_to_exitcode(status)
         texts = []
