@@ -1,5 +1,6 @@
 """Processes and what they cost: wall and processor time, peak memory."""
 
+import contextlib
 import json
 import os
 import platform
@@ -64,7 +65,8 @@ def run_apart(command, timeout=None, folder=None):
 def end(process_id, expired):
     """Ends a process and those that it started."""
     expired.set()
-    os.killpg(process_id, signal.SIGKILL)
+    with contextlib.suppress(ProcessLookupError):
+        os.killpg(process_id, signal.SIGKILL)
 
 
 def machine():
