@@ -1,5 +1,6 @@
 #include "scheduler.h"
 
+#include <algorithm>
 #include <string>
 
 #include "vasamesh/errors.h"
@@ -13,8 +14,20 @@ Scheduler::Scheduler(Context& context) : context_(context) {
 
 Backend& Scheduler::backend_for(Stage stage) {
   for (const auto& backend : context_.backends)
-    if (backend->offers(stage)) return *backend;
+    if (backend->offers(stage) &&
+        std::find(failed_.begin(), failed_.end(), backend.get()) == failed_.end())
+      return *backend;
   throw Error(ErrorCode::internal, "no backend of the context offers a stage");
+}
+
+void Scheduler::give_up(const Backend& backend, const DeviceFailure& failure) {
+  if (&backend == &host()) throw failure;
+  failed_.push_back(&backend);
+  if (!open_) return;
+  StageReport& report = reports_.back();
+  report.backend = host().name();
+  report.device = host().device();
+  report.failure = failure.what();
 }
 
 void Scheduler::progress(std::string_view phase, double fraction) {
@@ -26,7 +39,10 @@ void Scheduler::progress(std::string_view phase, double fraction) {
 void Scheduler::begin(const char* name, Stage stage) {
   end();
   const Backend& backend = backend_for(stage);
-  reports_.push_back({name, backend.name(), backend.device(), 0, 0});
+  StageReport& report = reports_.emplace_back();
+  report.name = name;
+  report.backend = backend.name();
+  report.device = backend.device();
   progress(name, 0);
   started_ = std::chrono::steady_clock::now();
   open_ = true;

@@ -126,7 +126,7 @@ std::shared_ptr<Backend> open_opencl(int) {
 std::vector<DeviceInfo> list_devices() {
   std::vector<DeviceInfo> devices{describe_cpu()};
   for (DeviceInfo& device : list_opencl_devices()) {
-    device.number = static_cast<int>(devices.size());
+    ++device.number;
     devices.push_back(std::move(device));
   }
   return devices;

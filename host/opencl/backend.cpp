@@ -5,9 +5,9 @@
 #include <utility>
 #include <vector>
 
+#include "backend/device_failure.h"
 #include "opencl/arithmetic.h"
 #include "opencl/opencl_backend.h"
-#include "vasamesh/errors.h"
 
 namespace vasamesh {
 
@@ -19,8 +19,8 @@ std::size_t pieces(std::size_t count, std::size_t size) { return (count + size -
 
 WorkShape shape_for(const cl::Device& device, KernelShape wanted) {
   if (wanted == KernelShape::by_device)
-    wanted = device.getInfo<CL_DEVICE_TYPE>() & CL_DEVICE_TYPE_CPU ? KernelShape::one_item
-                                                                   : KernelShape::work_group;
+    wanted = ask<CL_DEVICE_TYPE>(device) & CL_DEVICE_TYPE_CPU ? KernelShape::one_item
+                                                              : KernelShape::work_group;
   return wanted == KernelShape::one_item ? kOneItemShape : kWorkGroupShape;
 }
 
@@ -42,43 +42,50 @@ std::shared_ptr<Backend> make_opencl_backend(const OpenClOptions& options) {
   if (options.device < 0 || static_cast<std::size_t>(options.device) >= devices.size())
     throw Error(ErrorCode::no_device, "no OpenCL device " + std::to_string(options.device) +
                                           " of " + std::to_string(devices.size()) +
-                                          ": see vasamesh devices");
+                                          ": see vasamesh devices, or use --backend tbb");
   const cl::Device& device = devices[static_cast<std::size_t>(options.device)];
-  return std::make_shared<OpenClBackend>(device, shape_for(device, options.shape),
-                                         ProgramCache(options.cache_folder));
+  try {
+    return std::make_shared<OpenClBackend>(device, shape_for(device, options.shape),
+                                           ProgramCache(options.cache_folder));
+  } catch (const DeviceFailure& failure) {
+    throw Error(ErrorCode::no_device, std::string("the OpenCL device cannot be opened: ") +
+                                          failure.what() + "; see vasamesh devices");
+  }
 }
 
 OpenClBackend::OpenClBackend(cl::Device device, const WorkShape& shape, ProgramCache cache)
     : device_(std::move(device)),
-      device_name_(device_.getInfo<CL_DEVICE_NAME>()),
-      largest_buffer_(device_.getInfo<CL_DEVICE_MAX_MEM_ALLOC_SIZE>()),
+      device_name_(ask<CL_DEVICE_NAME>(device_)),
+      largest_buffer_(ask<CL_DEVICE_MAX_MEM_ALLOC_SIZE>(device_)),
       shape_(shape) {
+  if (const std::string lack = lacks(device_, shape_); !lack.empty())
+    throw DeviceFailure(ErrorCode::no_device,
+                        device_name_ + " " + lack + ": choose another, or use --backend tbb");
   cl_int status = CL_SUCCESS;
   context_ = cl::Context(device_, nullptr, nullptr, nullptr, &status);
-  if (status == CL_SUCCESS) queue_ = cl::CommandQueue(context_, device_, 0, &status);
-  if (status != CL_SUCCESS)
-    throw Error(ErrorCode::no_device, "OpenCL device " + device_name_ + " cannot be opened, " +
-                                          status_name(status) +
-                                          ": choose another (see vasamesh devices), or use "
-                                          "--backend tbb");
+  check(status, "a context on " + device_name_);
+  queue_ = cl::CommandQueue(context_, device_, 0, &status);
+  check(status, "a queue on " + device_name_);
   programs_.emplace(context_, device_, shape_, std::move(cache));
   if (!arithmetic_as_specified(context_, queue_, *programs_))
-    throw Error(ErrorCode::no_device,
-                "OpenCL device " + device_name_ +
-                    " contracts products or drops sub-normal numbers, so that its surfaces would "
-                    "differ from other devices': choose another, or use --backend tbb");
+    throw DeviceFailure(ErrorCode::no_device,
+                        device_name_ +
+                            " contracts products or drops sub-normal numbers, so that "
+                            "its surfaces would differ from other devices': choose "
+                            "another, or use --backend tbb");
 }
 
 void* OpenClBackend::allocate(std::size_t bytes) {
   const std::size_t held = held_ + bytes;
   if (limit_ && held > limit_)
-    throw Error(ErrorCode::refused, "the conversion needs more memory than --max-memory allows (" +
-                                        std::to_string(held) + " of " + std::to_string(limit_) +
-                                        " bytes): allow more, or convert a part of the volume");
+    throw DeviceFailure(ErrorCode::refused,
+                        "the conversion needs more memory than --max-memory allows (" +
+                            std::to_string(held) + " of " + std::to_string(limit_) +
+                            " bytes): allow more, or convert a part of the volume");
   if (bytes > largest_buffer_)
-    throw Error(ErrorCode::refused, device_name_ + " gives buffers of at most " +
-                                        std::to_string(largest_buffer_) + " bytes, not " +
-                                        std::to_string(bytes) + ": use --backend tbb");
+    throw DeviceFailure(ErrorCode::refused, device_name_ + " gives buffers of at most " +
+                                                std::to_string(largest_buffer_) + " bytes, not " +
+                                                std::to_string(bytes) + ": use --backend tbb");
   cl_int status = CL_SUCCESS;
   cl_mem memory = clCreateBuffer(context_(), CL_MEM_READ_WRITE, bytes, nullptr, &status);
   check(status, "allocating " + std::to_string(bytes) + " bytes on " + device_name_);

@@ -15,8 +15,12 @@
 
 namespace vasamesh {
 
-/// The devices that list_opencl_devices() describes, in its order.
+/// All devices of all platforms; list_opencl_devices() numbers them so.
 std::vector<cl::Device> opencl_devices();
+
+/// What kernels of that shape need and the device has not, as "has work-groups of at most 1 item,
+/// not 64"; empty when it has everything. Kernels need no doubles.
+std::string lacks(const cl::Device& device, const WorkShape& shape);
 
 class OpenClBackend final : public PartialBackend {
  public:

@@ -4,7 +4,7 @@
 #include <cstring>
 #include <vector>
 
-#include "vasamesh/errors.h"
+#include "backend/device_failure.h"
 
 namespace vasamesh {
 
@@ -18,7 +18,7 @@ std::string_view text_of(std::span<const KernelSource> sources, std::string_view
 
 std::string options_of(const cl::Device& device, const WorkShape& shape) {
   std::string options = "-cl-std=CL1.2";
-  if (device.getInfo<CL_DEVICE_SINGLE_FP_CONFIG>() & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT)
+  if (ask<CL_DEVICE_SINGLE_FP_CONFIG>(device) & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT)
     options += " -cl-fp32-correctly-rounded-divide-sqrt";
   const auto define = [&options](const char* name, int value) {
     options += std::string(" -D") + name + "=" + std::to_string(value);
@@ -34,10 +34,10 @@ std::string options_of(const cl::Device& device, const WorkShape& shape) {
 /// What a built program depends on.
 std::string key_of(const cl::Device& device, const std::string& options,
                    const std::string& source) {
-  const cl::Platform platform(device.getInfo<CL_DEVICE_PLATFORM>());
-  return platform.getInfo<CL_PLATFORM_VERSION>() + "\n" + device.getInfo<CL_DEVICE_NAME>() + "\n" +
-         device.getInfo<CL_DEVICE_VERSION>() + "\n" + device.getInfo<CL_DRIVER_VERSION>() + "\n" +
-         options + "\n" + source;
+  const cl::Platform platform(ask<CL_DEVICE_PLATFORM>(device));
+  return ask<CL_PLATFORM_VERSION>(platform) + "\n" + ask<CL_DEVICE_NAME>(device) + "\n" +
+         ask<CL_DEVICE_VERSION>(device) + "\n" + ask<CL_DRIVER_VERSION>(device) + "\n" + options +
+         "\n" + source;
 }
 
 /// A log on one line, cut where it is long.
@@ -110,10 +110,11 @@ cl::Program Programs::build(const std::string& file, const std::string& source) 
   check(status, "making a program of " + file);
   const cl_int built = program.build(device_, options_.c_str());
   if (built == CL_SUCCESS) return program;
-  throw Error(built == CL_COMPILER_NOT_AVAILABLE ? ErrorCode::no_device : ErrorCode::internal,
-              file + " does not build for " + device_.getInfo<CL_DEVICE_NAME>() + ", " +
-                  status_name(built) + ", use --backend tbb; log: " +
-                  one_line(program.getBuildInfo<CL_PROGRAM_BUILD_LOG>(device_)));
+  throw DeviceFailure(
+      built == CL_COMPILER_NOT_AVAILABLE ? ErrorCode::no_device : ErrorCode::internal,
+      file + " does not build for " + device_.getInfo<CL_DEVICE_NAME>() + ", " +
+          status_name(built) + ", use --backend tbb; log: " +
+          one_line(program.getBuildInfo<CL_PROGRAM_BUILD_LOG>(device_)));
 }
 
 }  // namespace vasamesh

@@ -28,8 +28,8 @@ class Programs {
   Programs(cl::Context context, cl::Device device, const WorkShape& shape, ProgramCache cache,
            std::span<const KernelSource> sources = kernel_sources());
 
-  /// The kernel `stage_verb` of stage.cl. \throws Error internal, with the build's log, when the
-  /// file does not build; no_device where the device has no compiler.
+  /// The kernel `stage_verb` of stage.cl. \throws DeviceFailure internal, with the build's log,
+  /// when the file does not build; no_device where the device has no compiler.
   cl::Kernel& kernel(const std::string& name);
 
  private:

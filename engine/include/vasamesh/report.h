@@ -58,7 +58,8 @@ struct StageReport {
   std::string backend;
   std::string device;
   double seconds = 0;
-  std::int64_t bytes_held = 0;    ///< bytes held by the backend's buffers at the stage's end
+  std::int64_t bytes_held = 0;    ///< bytes held by the backends' buffers at the stage's end
+  std::string failure;            ///< of a device that was tried first; empty when none failed
 };
 
 /// One level of the octree as it was solved.

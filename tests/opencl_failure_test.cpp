@@ -1,0 +1,134 @@
+/// Drivers that fail: whatever call fails, a conversion ends with the same surface, finished by
+/// oneTBB and saying so, or the device is refused before the work by one clear error.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "opencl/backend.h"
+#include "phantom/phantom.h"
+#include "support/failing_opencl.h"
+#include "vasamesh/host.h"
+#include "vasamesh/pipeline.h"
+
+namespace vasamesh {
+namespace {
+
+namespace failing = failing_opencl;
+
+const Phantom& volume() {
+  static const Phantom phantom = [] {
+    PhantomOptions options;
+    options.radius = 2.0;
+    return make_phantom("sphere", options);
+  }();
+  return phantom;
+}
+
+Result convert_on(const std::string& backend) {
+  ContextOptions options;
+  options.backend = backend;
+  options.threads = 2;
+  Context context = make_context(options);
+  return convert(volume().view(), {}, context);
+}
+
+const TriangleMesh& wanted() {
+  static const TriangleMesh mesh = convert_on("tbb").mesh;
+  return mesh;
+}
+
+/// The failures that the stages of a report name.
+std::vector<std::string> failures(const Report& report) {
+  std::vector<std::string> found;
+  for (const StageReport& stage : report.stages) {
+    if (stage.failure.empty()) continue;
+    EXPECT_EQ(stage.backend, "tbb") << stage.name;
+    found.push_back(stage.failure);
+  }
+  return found;
+}
+
+/// What became of a conversion in which something failed.
+enum class Ending { unharmed, finished_on_tbb, refused };
+
+Ending convert_failing(std::size_t first, std::size_t count) {
+  wanted();
+  failing::fail(first, count);
+  Ending ending = Ending::refused;
+  try {
+    const Result result = convert_on("opencl");
+    EXPECT_EQ(result.mesh.vertices, wanted().vertices);
+    EXPECT_EQ(result.mesh.triangles, wanted().triangles);
+    const std::vector<std::string> found = failures(result.report);
+    EXPECT_LE(found.size(), 1u) << "tried again after it had failed";
+    ending = found.empty() ? Ending::unharmed : Ending::finished_on_tbb;
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::no_device) << error.what();
+    EXPECT_NE(std::string(error.what()).find("tbb"), std::string::npos) << error.what();
+  }
+  failing::reset();
+  return ending;
+}
+
+/// The calls of a conversion in which nothing fails, its programs in the cache.
+std::vector<failing::Call> calls_of_a_conversion() {
+  convert_on("opencl");
+  failing::reset();
+  convert_on("opencl");
+  return failing::calls();
+}
+
+bool harmless(const std::string& function) {
+  return function.starts_with("clRelease") || function.starts_with("clRetain") ||
+         function.starts_with("clGet");
+}
+
+class OpenClFailure : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    failing::reset();
+    if (list_opencl_devices().empty()) GTEST_SKIP() << "no OpenCL device here";
+  }
+  void TearDown() override { failing::reset(); }
+};
+
+TEST_F(OpenClFailure, EveryCallSite) {
+  const std::vector<failing::Call> calls = calls_of_a_conversion();
+  std::set<std::pair<std::string, const void*>> seen;
+  std::set<Ending> endings;
+  for (std::size_t i = 0; i < calls.size(); ++i) {
+    if (!seen.insert({calls[i].function, calls[i].site}).second) continue;
+    SCOPED_TRACE(calls[i].function + ", call " + std::to_string(i));
+    const Ending ending = convert_failing(i, 1);
+    endings.insert(ending);
+    // What is only asked, kept or given back may fail unseen, as may a program from the cache.
+    if (!harmless(calls[i].function) && calls[i].function != "clCreateProgramWithBinary" &&
+        calls[i].function != "clBuildProgram") {
+      EXPECT_NE(ending, Ending::unharmed);
+    }
+  }
+  EXPECT_GT(seen.size(), 30u);
+  EXPECT_EQ(endings.size(), 3u);
+}
+
+TEST_F(OpenClFailure, TwoHundredCallsSpreadOverAConversion) {
+  const std::size_t calls = calls_of_a_conversion().size();
+  ASSERT_GT(calls, 200u);
+  std::set<Ending> endings;
+  for (std::size_t i = 0; i < 200; ++i) {
+    const std::size_t first = i * calls / 200;
+    const std::size_t count = i % 2 ? failing::kForEver : 1;
+    SCOPED_TRACE("call " + std::to_string(first) + (i % 2 ? " and all later ones" : ""));
+    endings.insert(convert_failing(first, count));
+  }
+  EXPECT_EQ(endings.count(Ending::finished_on_tbb), 1u);
+  EXPECT_EQ(endings.count(Ending::refused), 1u);
+}
+
+}  // namespace
+}  // namespace vasamesh
