@@ -1,6 +1,5 @@
 #include "scheduler.h"
 
-#include <algorithm>
 #include <string>
 
 #include "vasamesh/errors.h"
@@ -14,20 +13,14 @@ Scheduler::Scheduler(Context& context) : context_(context) {
 
 Backend& Scheduler::backend_for(Stage stage) {
   for (const auto& backend : context_.backends)
-    if (backend->offers(stage) &&
-        std::find(failed_.begin(), failed_.end(), backend.get()) == failed_.end())
-      return *backend;
+    if (backend->offers(stage) && (!host_alone_ || backend.get() == &host())) return *backend;
   throw Error(ErrorCode::internal, "no backend of the context offers a stage");
 }
 
-void Scheduler::give_up(const Backend& backend, const DeviceFailure& failure) {
-  if (&backend == &host()) throw failure;
-  failed_.push_back(&backend);
-  if (!open_) return;
-  StageReport& report = reports_.back();
-  report.backend = host().name();
-  report.device = host().device();
-  report.failure = failure.what();
+void Scheduler::fall_back(const DeviceFailure& failure) {
+  host_alone_ = true;
+  end();
+  if (!reports_.empty()) reports_.back().failure = failure.what();
 }
 
 void Scheduler::progress(std::string_view phase, double fraction) {

@@ -7,7 +7,6 @@
 #include <chrono>
 #include <memory>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include "backend/backend.h"
@@ -26,23 +25,12 @@ class Scheduler {
   /// The backend that holds the shared buffers and runs what no other offers.
   Backend& host() { return *context_.backends.back(); }
 
-  /// The first of the context's backends that offers the stage and has not failed.
+  /// The first of the context's backends that offers the stage; after fall_back(), the host's.
   Backend& backend_for(Stage stage);
 
-  /// work(backend) on the stage's backend. Where that fails as a device, it gets no more work of
-  /// this conversion, the report says so, and the work is done again on the next backend.
-  /// \pre until it succeeds, `work` changes nothing that it reads.
-  template <class Work>
-  auto run_on(Stage stage, const Work& work) {
-    while (true) {
-      Backend& backend = backend_for(stage);
-      try {
-        return work(backend);
-      } catch (const DeviceFailure& failure) {
-        give_up(backend, failure);
-      }
-    }
-  }
+  /// Ends the stage that failed, with the failure in its report. From now on everything runs on the
+  /// host's backend: the caller starts again from the input.
+  void fall_back(const DeviceFailure& failure);
 
   /// Tells the caller how far a phase is. \throws Error cancelled, when the caller wants to stop.
   void progress(std::string_view phase, double fraction);
@@ -54,15 +42,11 @@ class Scheduler {
   std::vector<StageReport> take_reports() { return std::move(reports_); }
 
  private:
-  /// Notes the failure in the open stage's report. \throws the failure, when it is the last
-  /// backend's.
-  void give_up(const Backend& backend, const DeviceFailure& failure);
-
   Context& context_;
-  std::vector<const Backend*> failed_;
   std::vector<StageReport> reports_;
   std::chrono::steady_clock::time_point started_;
   bool open_ = false;
+  bool host_alone_ = false;
 };
 
 }  // namespace vasamesh

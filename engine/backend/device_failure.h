@@ -7,9 +7,9 @@
 
 namespace vasamesh {
 
-/// A device, its driver, its compiler or its memory failed in a pass, which may have left anything
-/// in the views that it writes. All backends give the same bytes, so that what was being computed
-/// may be computed again on another (Scheduler::run_on).
+/// A device, its driver, its compiler or its memory failed, and what it was computing is lost. All
+/// backends give the same bytes, so that the work may be done again on another
+/// (Scheduler::fall_back). The oneTBB backend never throws it.
 class DeviceFailure : public Error {
  public:
   using Error::Error;

@@ -39,13 +39,9 @@ Buffer<T> copy_between(Backend& from, View<const T> values, Backend& to) {
   return copy;
 }
 
-/// As conjugate_gradient, for a level whose buffers `host` holds, on any backend.
-SolveOutcome solve_on(Backend& solver, Backend& host, OctreeLevel& level, int iterations,
-                      SolveWorkspace& workspace) {
-  if (&solver == &host)
-    return conjugate_gradient(host, level.view(), level.unknown.view(),
-                              level.right_hand_side.view(), level.solution.view(), iterations,
-                              workspace);
+/// As conjugate_gradient, for a level whose buffers `host` holds, on a backend of other memory.
+SolveOutcome solve_elsewhere(Backend& host, Backend& solver, OctreeLevel& level, int iterations,
+                             SolveWorkspace& workspace) {
   Bricks bricks;
   bricks.count = level.bricks.count;
   bricks.coords = copy_between<BrickCoord>(host, level.bricks.coords.view(), solver);
@@ -150,6 +146,7 @@ void assemble_poisson(Backend& backend, const PointCloud& points, const Scale& s
 void solve_poisson(Scheduler& scheduler, const Parameters& parameters, Octree& octree,
                    std::vector<LevelReport>& reports) {
   Backend& host = scheduler.host();
+  Backend& solver = scheduler.backend_for(Stage::poisson);
   const int finest = finest_solved(octree, parameters);
   SolveWorkspace workspace;
   for (std::size_t i = 0; i < octree.levels.size(); ++i) {
@@ -162,9 +159,10 @@ void solve_poisson(Scheduler& scheduler, const Parameters& parameters, Octree& o
     SolveOutcome outcome;
     if (level.exponent >= finest) {
       const int iterations = i == 0 ? kRootIterations : kLevelIterations;
-      outcome = scheduler.run_on(Stage::poisson, [&](Backend& solver) {
-        return solve_on(solver, host, level, iterations, workspace);
-      });
+      outcome = &solver == &host ? conjugate_gradient(host, level.view(), level.unknown.view(),
+                                                      level.right_hand_side.view(),
+                                                      level.solution.view(), iterations, workspace)
+                                 : solve_elsewhere(host, solver, level, iterations, workspace);
     }
     LevelReport report;
     report.depth = octree.depth(level);

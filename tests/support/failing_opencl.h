@@ -1,21 +1,17 @@
 #pragma once
 
 /// \file
-/// A layer over OpenCL's functions, linked into a test (or preloaded before the program) in place
-/// of the loader's: it passes calls on, counts them, and makes those fail that it is told to. What
-/// the backend is built of needs no switch for it.
-///
-/// Preloaded, it reads VASAMESH_FAIL_OPENCL="first count": the calls from `first` on, `count` of
-/// them, fail.
-
-#define CL_TARGET_OPENCL_VERSION 120
-#include <CL/cl.h>
+/// A layer over OpenCL's functions, linked into a test in place of host/opencl/loader.cpp: it
+/// passes calls on, counts them, and makes those fail that it is told to. The library needs no
+/// switch for it, and a function that the layer lacks does not link.
 
 #include <cstddef>
 #include <limits>
 #include <map>
 #include <string>
 #include <vector>
+
+#include "opencl/check.h"
 
 namespace vasamesh::failing_opencl {
 

@@ -59,7 +59,8 @@ struct StageReport {
   std::string device;
   double seconds = 0;
   std::int64_t bytes_held = 0;    ///< bytes held by the backends' buffers at the stage's end
-  std::string failure;            ///< of a device that was tried first; empty when none failed
+  std::string failure;            ///< of the device, after which the stages were run again on the
+                                  ///< CPU; empty when it did not fail
 };
 
 /// One level of the octree as it was solved.
