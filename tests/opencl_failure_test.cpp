@@ -138,5 +138,69 @@ TEST_F(OpenClFailure, TwoHundredCallsSpreadOverAConversion) {
   EXPECT_EQ(endings.count(Ending::refused), 1u);
 }
 
+/// What make_context says when it refuses.
+std::string refusal(const ContextOptions& options) {
+  try {
+    make_context(options);
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::no_device) << error.what();
+    return error.what();
+  }
+  return "";
+}
+
+ContextOptions on_opencl() {
+  ContextOptions options;
+  options.backend = "opencl";
+  return options;
+}
+
+TEST_F(OpenClFailure, NoPlatformIsNoDevice) {
+  failing::fail(0, failing::kForEver);
+  EXPECT_TRUE(list_opencl_devices().empty());
+  EXPECT_EQ(list_devices().size(), 1u);
+  EXPECT_NE(refusal(on_opencl()).find("install a driver"), std::string::npos);
+  ContextOptions any;
+  EXPECT_EQ(refusal(any), "");
+}
+
+TEST_F(OpenClFailure, DeviceThatLacksSomethingIsRefusedByName) {
+  const std::string name = list_opencl_devices()[0].name;
+  const std::pair<cl_device_info, std::string> lacking[] = {
+      {CL_DEVICE_LOCAL_MEM_SIZE, "local memory"},
+      {CL_DEVICE_MAX_WORK_GROUP_SIZE, "work-groups"},
+      {CL_DEVICE_ENDIAN_LITTLE, "big-endian"}};
+  for (const auto& [property, word] : lacking) {
+    failing::reset();
+    failing::pretend(property, 0);
+    const std::string message = refusal(on_opencl());
+    EXPECT_NE(message.find(word), std::string::npos) << message;
+    EXPECT_NE(message.find(name), std::string::npos) << message;
+    EXPECT_NE(message.find("--backend tbb"), std::string::npos) << message;
+  }
+}
+
+TEST_F(OpenClFailure, DeviceThatIsNotReadyIsNotListed) {
+  for (const cl_device_info property : {CL_DEVICE_AVAILABLE, CL_DEVICE_COMPILER_AVAILABLE}) {
+    failing::reset();
+    failing::pretend(property, 0);
+    EXPECT_TRUE(list_opencl_devices().empty());
+  }
+}
+
+TEST_F(OpenClFailure, DeviceWithoutDoublesServes) {
+  failing::pretend(CL_DEVICE_DOUBLE_FP_CONFIG, 0);
+  EXPECT_FALSE(list_opencl_devices()[0].doubles);
+  EXPECT_EQ(convert_on("opencl").mesh.vertices, wanted().vertices);
+}
+
+TEST_F(OpenClFailure, DeviceWithLittleMemoryIsLeftForTheCpu) {
+  failing::pretend(CL_DEVICE_MAX_MEM_ALLOC_SIZE, 10000);
+  const Result result = convert_on("opencl");
+  EXPECT_TRUE(fell_back(result.report));
+  EXPECT_EQ(result.mesh.vertices, wanted().vertices);
+  EXPECT_EQ(result.mesh.triangles, wanted().triangles);
+}
+
 }  // namespace
 }  // namespace vasamesh
