@@ -6,6 +6,7 @@
 
 #include <chrono>
 #include <memory>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -21,6 +22,9 @@ class Scheduler {
   /// \pre the context's last backend offers every stage.
   /// \throws Error usage, when the context has no backend.
   explicit Scheduler(Context& context);
+  ~Scheduler();
+  Scheduler(const Scheduler&) = delete;
+  Scheduler& operator=(const Scheduler&) = delete;
 
   /// The backend that holds the shared buffers and runs what no other offers.
   Backend& host() { return *context_.backends.back(); }
@@ -32,7 +36,8 @@ class Scheduler {
   /// host's backend: the caller starts again from the input.
   void fall_back(const DeviceFailure& failure);
 
-  /// Tells the caller how far a phase is. \throws Error cancelled, when the caller wants to stop.
+  /// Tells the caller how far a phase is; between two calls the backends' checkpoints tell it
+  /// again. \throws Error cancelled, when the caller wants to stop.
   void progress(std::string_view phase, double fraction);
 
   /// Begins a stage (ending the one before): its name for the report and for progress.
@@ -42,9 +47,15 @@ class Scheduler {
   std::vector<StageReport> take_reports() { return std::move(reports_); }
 
  private:
+  using Clock = std::chrono::steady_clock;
+
+  void checkpoint();
+
   Context& context_;
   std::vector<StageReport> reports_;
-  std::chrono::steady_clock::time_point started_;
+  Clock::time_point started_, told_;
+  std::string phase_;  ///< as told last, with its fraction
+  double fraction_ = 0;
   bool open_ = false;
   bool host_alone_ = false;
 };

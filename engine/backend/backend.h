@@ -42,6 +42,18 @@ class Backend : public Memory {
   /// volume to the next); false gives back what is kept. Backends may ignore it.
   virtual void keep_memory(bool /*keep*/) {}
 
+  // --- Stopping. ------------------------------------------------------------------------------
+
+  /// What passes and run() call now and then, on the thread that called them, with at most some
+  /// milliseconds of work between two calls; so do stages in loops of their own. What it throws
+  /// ends the pass and leaves undefined the views that it writes. Empty: nothing.
+  virtual void set_checkpoint(std::function<void()> checkpoint) {
+    checkpoint_ = std::move(checkpoint);
+  }
+  void checkpoint() const {
+    if (checkpoint_) checkpoint_();
+  }
+
   // --- Copies. `bytes` from byte `offset` of an allocation. ---------------------------------
 
   virtual void write(void* handle, std::size_t offset, const void* from, std::size_t bytes) = 0;
@@ -273,6 +285,9 @@ class Backend : public Memory {
                             View<const std::uint32_t> vertex_start,
                             View<const std::uint32_t> triangle_start, View<float> vertices,
                             View<std::uint32_t> triangles) = 0;
+
+ private:
+  std::function<void()> checkpoint_;
 };
 
 }  // namespace vasamesh
