@@ -56,9 +56,11 @@ void run_convert(const ConvertRequest& request) {
   };
 
   Segmentation volume;
+  ReadOptions selection = request.read;
+  selection.cancel = &interrupted();
   progress.show("read", 0);
   const StageReport read =
-      timed("read", [&] { volume = read_segmentation(request.input, request.read); });
+      timed("read", [&] { volume = read_segmentation(request.input, selection); });
   stop_if_interrupted();
   Result result = convert(volume.view(), request.parameters, context);
   stop_if_interrupted();
