@@ -25,7 +25,9 @@ void Scheduler::progress(std::string_view phase, double fraction) {
 
 void Scheduler::begin(const char* name, Stage stage) {
   end();
-  const Backend& backend = backend_for(stage);
+  Backend& backend = backend_for(stage);
+  if (running_ && running_ != &backend) running_->settle();
+  running_ = &backend;
   reports_.push_back({name, backend.name(), backend.device(), 0, 0});
   progress(name, 0);
   started_ = std::chrono::steady_clock::now();

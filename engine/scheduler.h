@@ -21,7 +21,7 @@ class Scheduler {
   /// \throws Error usage, when the context has no backend.
   explicit Scheduler(Context& context);
 
-  /// The backend that holds the shared buffers and runs what no other offers.
+  /// The backend that runs what no other offers.
   Backend& host() { return *context_.backends.back(); }
 
   /// The first of the context's backends that offers the stage.
@@ -38,6 +38,7 @@ class Scheduler {
 
  private:
   Context& context_;
+  Backend* running_ = nullptr;  ///< the backend of the last stage begun
   std::vector<StageReport> reports_;
   std::chrono::steady_clock::time_point started_;
   bool open_ = false;
