@@ -30,6 +30,7 @@ Backend& Scheduler::backend_for(Stage stage) {
 
 void Scheduler::fall_back(const DeviceFailure& failure) {
   host_alone_ = true;
+  running_ = nullptr;
   end();
   if (!reports_.empty()) reports_.back().failure = failure.what();
 }
@@ -49,7 +50,9 @@ void Scheduler::progress(std::string_view phase, double fraction) {
 
 void Scheduler::begin(const char* name, Stage stage) {
   end();
-  const Backend& backend = backend_for(stage);
+  Backend& backend = backend_for(stage);
+  if (running_ && running_ != &backend) running_->settle();
+  running_ = &backend;
   StageReport& report = reports_.emplace_back();
   report.name = name;
   report.backend = backend.name();

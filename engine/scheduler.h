@@ -26,7 +26,7 @@ class Scheduler {
   Scheduler(const Scheduler&) = delete;
   Scheduler& operator=(const Scheduler&) = delete;
 
-  /// The backend that holds the shared buffers and runs what no other offers.
+  /// The backend that runs what no other offers.
   Backend& host() { return *context_.backends.back(); }
 
   /// The first of the context's backends that offers the stage; after fall_back(), the host's.
@@ -52,6 +52,7 @@ class Scheduler {
   void checkpoint();
 
   Context& context_;
+  Backend* running_ = nullptr;  ///< the backend of the last stage begun
   std::vector<StageReport> reports_;
   Clock::time_point started_, told_;
   std::string phase_;  ///< as told last, with its fraction

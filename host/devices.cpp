@@ -69,15 +69,16 @@ DeviceInfo device_for(const ContextOptions& options) {
 }
 
 #ifdef VASAMESH_WITH_OPENCL
-std::shared_ptr<Backend> open_opencl(int device) {
+std::shared_ptr<Backend> open_opencl(int device, std::shared_ptr<Backend> workers) {
   OpenClOptions options;
   options.device = device;
+  options.workers = std::move(workers);
   return make_opencl_backend(options);
 }
 #else
 std::vector<DeviceInfo> list_opencl_devices() { return {}; }
 
-std::shared_ptr<Backend> open_opencl(int) {
+std::shared_ptr<Backend> open_opencl(int, std::shared_ptr<Backend>) {
   throw Error(ErrorCode::no_device, "this build has no OpenCL backend: use --backend tbb");
 }
 #endif
@@ -102,8 +103,9 @@ Context make_context(const ContextOptions& options) {
                                       ": must be 0 (all of the machine's) or more");
   const DeviceInfo device = device_for(options);
   Context context;
-  if (device.backend == "opencl") context.backends.push_back(open_opencl(device.number - 1));
-  context.backends.push_back(make_tbb_backend(options.threads, options.task_arena));
+  const auto host = make_tbb_backend(options.threads, options.task_arena);
+  if (device.backend == "opencl") context.backends.push_back(open_opencl(device.number - 1, host));
+  context.backends.push_back(host);
   return context;
 }
 

@@ -7,10 +7,15 @@
 ///   SCAN_ITEMS, SCAN_RUN  work-items a block of the scan, and consecutive values an item takes;
 ///   FOLD_ITEMS  work-items a group of a sum's folds, one an element;
 ///   REDUCE_ITEMS  work-items that finish a sum.
-/// Array arguments come in pairs: the memory object, and the first element of the view in it.
+/// Array arguments come in pairs, the memory object and the first element of the view in it:
+/// VIEW(type, name), and TAKE(name) before the first use.
 
 #pragma OPENCL FP_CONTRACT OFF
 
+#define VIEW(type, name) global type *name, ulong name##_first
+#define TAKE(name) name += name##_first
+
+#define BRICK_GROUP reqd_work_group_size(BRICK_ITEMS, 1, 1)
 #define BRICK_CELLS 512
 #define BRICK_ROWS 64
 #define NEIGHBOURS 27
@@ -18,6 +23,30 @@
 #define STEP_X 1
 #define STEP_Y 3
 #define STEP_Z 9
+
+/// Memory that the items of a brick share, declared at a kernel's outermost scope, and what makes
+/// its contents seen by all of them.
+#if BRICK_ITEMS == 1
+#define BRICK_SHARED private
+#define BRICK_SYNC()
+#else
+#define BRICK_SHARED local
+#define BRICK_SYNC() barrier(CLK_LOCAL_MEM_FENCE)
+#endif
+
+/// The rows with y0 <= y < y1 and z0 <= z < z1 that an item takes when items take whole rows. What
+/// it holds of them is OWN_ROWS values, that of row r at OWN_ROW(r).
+#define OWN_ROWS (BRICK_ROWS / BRICK_ITEMS)
+#define OWN_ROW(row) ((row) / BRICK_ITEMS)
+#if BRICK_ITEMS == 1
+#define FOR_OWN_ROWS(y, y0, y1, z, z0, z1) \
+  for (int z = (z0); z < (z1); ++z)        \
+    for (int y = (y0); y < (y1); ++y)
+#else
+#define FOR_OWN_ROWS(y, y0, y1, z, z0, z1)                                            \
+  for (int y = get_local_id(0) & 7, z = get_local_id(0) >> 3, once_ = 1;              \
+       once_ && y >= (y0) && y < (y1) && z >= (z0) && z < (z1); once_ = 0)
+#endif
 
 /// Row (y, z), each -1..8, of the brick with this neighbour table, or of the brick next to it;
 /// zeros where there is none.
@@ -72,3 +101,57 @@ static float brick_sum_finish(local float *sum) {
 }
 
 #endif
+
+// --- Points near a brick (engine/types/point_cloud.h, PointIndex). -----------------------------
+
+/// The voxels low <= voxel < high near a brick of a level, and where their points are.
+typedef struct {
+  int3 low, high, base;
+  int side;
+  global const int *table;
+  global const uint *voxel_start;
+} PointBox;
+
+/// The first voxel of a level's brick along one axis.
+static int first_voxel(int exponent, int brick) {
+  return exponent < 0 ? brick * 8 >> -exponent : brick * (8 << exponent);
+}
+
+/// The brick's own voxels.
+static PointBox point_box(int exponent, int3 coord, int side, global const int *table,
+                          global const uint *voxel_start) {
+  PointBox box;
+  box.low = (int3)(first_voxel(exponent, coord.x), first_voxel(exponent, coord.y),
+                   first_voxel(exponent, coord.z));
+  box.high = (int3)(first_voxel(exponent, coord.x + 1), first_voxel(exponent, coord.y + 1),
+                    first_voxel(exponent, coord.z + 1));
+  box.base = (box.low >> 3) - 1;
+  box.side = side;
+  box.table = table;
+  box.voxel_start = voxel_start;
+  return box;
+}
+
+/// Adds `reach` voxels on each side, as far as the table goes.
+static void point_box_grow(PointBox *box, int3 reach) {
+  box->low = max(box->low - reach, box->base * 8);
+  box->high = min(box->high + reach, (box->base + box->side) * 8);
+}
+
+/// First and last + 1 of the points of a row's voxels in point brick bx.
+static uint2 point_run(const PointBox *box, int bx, int y, int z) {
+  const int3 at = (int3)(bx, y >> 3, z >> 3) - box->base;
+  const int found = box->table[at.x + box->side * (at.y + box->side * at.z)];
+  if (found < 0) return (uint2)(0, 0);
+  global const uint *start = box->voxel_start + (size_t)found * BRICK_CELLS + 8 * (y & 7) +
+                             64 * (z & 7);
+  return (uint2)(start[max(box->low.x - 8 * bx, 0)], start[min(box->high.x - 8 * bx, 8)]);
+}
+
+/// All runs of a box in the order of their rows: z, y, then point bricks along x.
+#define FOR_POINT_RUNS(box, run)                                                            \
+  for (int run##_z = (box).low.z; run##_z < (box).high.z; ++run##_z)                        \
+    for (int run##_y = (box).low.y; run##_y < (box).high.y; ++run##_y)                      \
+      for (int run##_x = (box).low.x >> 3; run##_x <= ((box).high.x - 1) >> 3; ++run##_x)   \
+        for (uint2 run = point_run(&(box), run##_x, run##_y, run##_z); run.x < run.y;       \
+             run.x = run.y)

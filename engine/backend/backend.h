@@ -7,7 +7,8 @@
 /// One arithmetic for all backends: float32 and integers; +, -, *, /, square root, and fma only
 /// where it is written; no contraction; sums in an order that depends on sizes alone; ties broken
 /// by index. Two backends give the same bytes. A pass gets views alone, keeps nothing, and writes
-/// only the views that are not const. All views of one call belong to the backend called.
+/// only the views that are not const. It may return before it is done; passes run in the order of
+/// their calls. Views of another backend's memory are taken too, once that has settled.
 
 #include <array>
 #include <cstdint>
@@ -53,6 +54,20 @@ class Backend : public Memory {
   void checkpoint() const {
     if (checkpoint_) checkpoint_();
   }
+
+  // --- The host's sight of a backend's memory. ------------------------------------------------
+
+  /// The elements of a view, as the passes called before have left them. Passes called after see
+  /// what is written there; the span is stale once one of them has written the view.
+  template <class T>
+  std::span<T> on_host(View<T> view) {
+    if (view.size) bring_to_host(view.handle, !std::is_const_v<T>);
+    return {view.data(), view.size};
+  }
+
+  /// Waits for the passes called before, and brings what they have written to the host's memory,
+  /// for work that is not this backend's; takes for granted that it may write there.
+  virtual void settle() {}
 
   // --- Copies. `bytes` from byte `offset` of an allocation. ---------------------------------
 
@@ -239,11 +254,21 @@ class Backend : public Memory {
                                View<const std::uint32_t> starts, View<std::uint32_t> nodes) = 0;
 
   /// Flips the labels of the listed nodes (all of one colour, so that none sees another) that are
-  /// simple and whose |value| is at least `threshold`. \return how many.
+  /// simple and whose |value| is at least `threshold`, and lists those that it leaves, in the same
+  /// order, in `left` (as large as `nodes`). \return how many are left; `left` is not written when
+  /// they all are.
   virtual std::uint32_t relabel_sweep(const BrickView& bricks, View<const std::uint8_t> simple,
                                       View<const float> values, float threshold,
-                                      View<const std::uint32_t> nodes,
-                                      View<std::uint8_t> state) = 0;
+                                      View<const std::uint32_t> nodes, View<std::uint8_t> state,
+                                      View<std::uint32_t> left) = 0;
+
+  /// marks = `mark` at the listed nodes.
+  virtual void relabel_mark(View<const std::uint32_t> nodes, std::uint8_t mark,
+                            View<std::uint8_t> marks) = 0;
+
+  /// marked[b] = 1 where a node of brick b is marked, else 0.
+  virtual void relabel_find_marked(const BrickView& bricks, View<const std::uint8_t> marks,
+                                   View<std::uint8_t> marked) = 0;
 
   /// Marks nodes where the labels leave the solid's marching-cubes surface too far, by more than
   /// `limit` (voxel lengths): centres of boundary faces, and corners round which lie polygons of a
@@ -287,6 +312,9 @@ class Backend : public Memory {
                             View<std::uint32_t> triangles) = 0;
 
  private:
+  /// on_host() for a whole allocation, which the host may write when `writes`.
+  virtual void bring_to_host(void* /*handle*/, bool /*writes*/) {}
+
   std::function<void()> checkpoint_;
 };
 

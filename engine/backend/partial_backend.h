@@ -112,8 +112,16 @@ class PartialBackend : public Backend {
     missing("relabel_collect");
   }
   std::uint32_t relabel_sweep(const BrickView&, View<const std::uint8_t>, View<const float>, float,
-                              View<const std::uint32_t>, View<std::uint8_t>) override {
+                              View<const std::uint32_t>, View<std::uint8_t>,
+                              View<std::uint32_t>) override {
     missing("relabel_sweep");
+  }
+  void relabel_mark(View<const std::uint32_t>, std::uint8_t, View<std::uint8_t>) override {
+    missing("relabel_mark");
+  }
+  void relabel_find_marked(const BrickView&, View<const std::uint8_t>,
+                           View<std::uint8_t>) override {
+    missing("relabel_find_marked");
   }
   std::uint32_t lattice_mark_far(const BrickView&, View<const std::uint8_t>, const Scale&, float,
                                  View<const std::uint8_t>, View<const float>,

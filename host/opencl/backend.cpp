@@ -17,11 +17,18 @@ constexpr std::size_t kReduceLast = 8192;  // sums that one work-group adds
 
 std::size_t pieces(std::size_t count, std::size_t size) { return (count + size - 1) / size; }
 
+bool is_cpu(const cl::Device& device) {
+  return (ask<CL_DEVICE_TYPE>(device) & CL_DEVICE_TYPE_CPU) != 0;
+}
+
 WorkShape shape_for(const cl::Device& device, KernelShape wanted) {
   if (wanted == KernelShape::by_device)
-    wanted = ask<CL_DEVICE_TYPE>(device) & CL_DEVICE_TYPE_CPU ? KernelShape::one_item
-                                                              : KernelShape::work_group;
+    wanted = is_cpu(device) ? KernelShape::one_item : KernelShape::work_group;
   return wanted == KernelShape::one_item ? kOneItemShape : kWorkGroupShape;
+}
+
+bool shares_memory(const cl::Device& device, DeviceCopies wanted) {
+  return wanted == DeviceCopies::by_device ? is_cpu(device) : wanted == DeviceCopies::shared;
 }
 
 /// Turns block totals into the blocks' starts, in place. \return the sum of all.
@@ -46,18 +53,21 @@ std::shared_ptr<Backend> make_opencl_backend(const OpenClOptions& options) {
   const cl::Device& device = devices[static_cast<std::size_t>(options.device)];
   try {
     return std::make_shared<OpenClBackend>(device, shape_for(device, options.shape),
-                                           ProgramCache(options.cache_folder));
+                                           shares_memory(device, options.copies),
+                                           ProgramCache(options.cache_folder), options.workers);
   } catch (const DeviceFailure& failure) {
     throw Error(ErrorCode::no_device, std::string("the OpenCL device cannot be opened: ") +
                                           failure.what() + "; see vasamesh devices");
   }
 }
 
-OpenClBackend::OpenClBackend(cl::Device device, const WorkShape& shape, ProgramCache cache)
+OpenClBackend::OpenClBackend(cl::Device device, const WorkShape& shape, bool shared_memory,
+                             ProgramCache cache, std::shared_ptr<Backend> workers)
     : device_(std::move(device)),
       device_name_(ask<CL_DEVICE_NAME>(device_)),
       largest_buffer_(ask<CL_DEVICE_MAX_MEM_ALLOC_SIZE>(device_)),
-      shape_(shape) {
+      shape_(shape),
+      workers_(std::move(workers)) {
   if (const std::string lack = lacks(device_, shape_); !lack.empty())
     throw DeviceFailure(ErrorCode::no_device,
                         device_name_ + " " + lack + ": choose another, or use --backend tbb");
@@ -67,6 +77,7 @@ OpenClBackend::OpenClBackend(cl::Device device, const WorkShape& shape, ProgramC
   queue_ = cl::CommandQueue(context_, device_, 0, &status);
   check(status, "a queue on " + device_name_);
   programs_.emplace(context_, device_, shape_, std::move(cache));
+  memory_.emplace(context_, queue_, device_name_, shared_memory);
   if (!arithmetic_as_specified(context_, queue_, *programs_))
     throw DeviceFailure(ErrorCode::no_device,
                         device_name_ +
@@ -86,39 +97,38 @@ void* OpenClBackend::allocate(std::size_t bytes) {
     throw DeviceFailure(ErrorCode::refused, device_name_ + " gives buffers of at most " +
                                                 std::to_string(largest_buffer_) + " bytes, not " +
                                                 std::to_string(bytes) + ": use --backend tbb");
-  cl_int status = CL_SUCCESS;
-  cl_mem memory = clCreateBuffer(context_(), CL_MEM_READ_WRITE, bytes, nullptr, &status);
-  check(status, "allocating " + std::to_string(bytes) + " bytes on " + device_name_);
+  void* handle = memory_->allocate(bytes);
   held_ = held;
   peak_ = std::max(peak_, held);
-  return memory;
+  return handle;
 }
 
-/// Commands that are queued keep the memory until they are done.
 void OpenClBackend::release(void* handle, std::size_t bytes) noexcept {
   held_ -= bytes;
-  clReleaseMemObject(static_cast<cl_mem>(handle));
+  memory_->release(handle);
 }
 
 void OpenClBackend::write(void* handle, std::size_t offset, const void* from, std::size_t bytes) {
-  check(clEnqueueWriteBuffer(queue_(), static_cast<cl_mem>(handle), CL_TRUE, offset, bytes, from, 0,
-                             nullptr, nullptr),
-        "copying " + std::to_string(bytes) + " bytes to " + device_name_);
+  memory_->write(handle, offset, from, bytes);
 }
 
 void OpenClBackend::read(const void* handle, std::size_t offset, void* to, std::size_t bytes) {
-  const auto memory = static_cast<cl_mem>(const_cast<void*>(handle));
-  check(clEnqueueReadBuffer(queue_(), memory, CL_TRUE, offset, bytes, to, 0, nullptr, nullptr),
-        "copying " + std::to_string(bytes) + " bytes from " + device_name_);
+  memory_->read(handle, offset, to, bytes);
+}
+
+void OpenClBackend::run(std::size_t tasks, const std::function<void(std::size_t)>& task) {
+  check(queue_.finish(), "waiting for " + device_name_);
+  workers_ ? workers_->run(tasks, task) : PartialBackend::run(tasks, task);
 }
 
 template <class T>
 void OpenClBackend::fill_view(View<T> values, T value) {
   if (values.size == 0) return;
   check(
-      clEnqueueFillBuffer(queue_(), static_cast<cl_mem>(values.handle), &value, sizeof(T),
-                          values.offset * sizeof(T), values.size * sizeof(T), 0, nullptr, nullptr),
+      clEnqueueFillBuffer(queue_(), memory_of(values), &value, sizeof(T), values.offset * sizeof(T),
+                          values.size * sizeof(T), 0, nullptr, nullptr),
       "fill on " + device_name_);
+  memory_->finish_loans();
 }
 
 void OpenClBackend::fill(View<float> values, float value) { fill_view(values, value); }

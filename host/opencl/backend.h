@@ -20,12 +20,22 @@ enum class KernelShape {
   work_group,  ///< one work-group takes a brick, a work-item a row of 8 cells
 };
 
+/// Where a device's copy of a buffer lies.
+enum class DeviceCopies {
+  by_device,  ///< shared on a CPU, separate elsewhere
+  shared,     ///< in the host's memory
+  separate,   ///< in memory of its own
+};
+
 struct OpenClOptions {
   int device = 0;  ///< a number of list_opencl_devices()
   KernelShape shape = KernelShape::by_device;
+  DeviceCopies copies = DeviceCopies::by_device;
   /// Where built programs are kept; empty: $XDG_CACHE_HOME/vasamesh or ~/.cache/vasamesh. A folder
   /// that cannot be written costs a build each time, no error.
   std::string cache_folder;
+  /// Runs the host's part of stages; null: the calling thread does.
+  std::shared_ptr<Backend> workers;
 };
 
 /// The OpenCL devices of all platforms that are ready and have a compiler, numbered from 0 in the

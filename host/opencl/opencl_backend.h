@@ -1,16 +1,20 @@
 #pragma once
 
 /// \file
-/// The OpenCL backend's class; its passes are in a file a stage beside this one. A buffer's handle
-/// is its cl_mem. Passes are queued in order and return at once; what reads a value back waits, and
-/// reports what went wrong before it.
+/// The OpenCL backend's class; its passes are in a file a stage beside this one. Passes are queued
+/// in order and return at once; what reads a value back waits, and reports what went wrong before
+/// it.
 
+#include <array>
+#include <memory>
 #include <optional>
 #include <string>
+#include <type_traits>
 
 #include "backend/partial_backend.h"
 #include "opencl/backend.h"
 #include "opencl/check.h"
+#include "opencl/device_memory.h"
 #include "opencl/program.h"
 
 namespace vasamesh {
@@ -24,19 +28,26 @@ std::string lacks(const cl::Device& device, const WorkShape& shape);
 
 class OpenClBackend final : public PartialBackend {
  public:
-  OpenClBackend(cl::Device device, const WorkShape& shape, ProgramCache cache);
+  /// \param workers  runs the tasks of run().
+  OpenClBackend(cl::Device device, const WorkShape& shape, bool shared_memory, ProgramCache cache,
+                std::shared_ptr<Backend> workers);
 
   std::string name() const override { return "opencl"; }
   std::string device() const override { return device_name_; }
-  bool offers(Stage stage) const override { return stage == Stage::poisson; }
+  bool offers(Stage stage) const override {
+    return stage == Stage::octree || stage == Stage::poisson;
+  }
   std::size_t bytes_held() const override { return held_; }
   std::size_t bytes_peak() const override { return peak_; }
   void set_byte_limit(std::size_t bytes) override { limit_ = bytes; }
 
   void* allocate(std::size_t bytes) override;
   void release(void* handle, std::size_t bytes) noexcept override;
+  void settle() override { memory_->settle(); }
   void write(void* handle, std::size_t offset, const void* from, std::size_t bytes) override;
   void read(const void* handle, std::size_t offset, void* to, std::size_t bytes) override;
+
+  void run(std::size_t tasks, const std::function<void(std::size_t)>& task) override;
 
   void fill(View<float> values, float value) override;
   void fill(View<std::uint8_t> values, std::uint8_t value) override;
@@ -55,11 +66,34 @@ class OpenClBackend final : public PartialBackend {
   void poisson_update_direction(const LevelView& level, float beta, View<const float> r,
                                 View<float> p) override;
 
+  void octree_mark_unknown(const LevelView& level, bool whole, View<std::uint8_t> unknown) override;
+  void poisson_splat(const LevelView& level, const PointIndex& index, const PointView& points,
+                     const Scale& scale, const Kernel& kernel,
+                     View<float> right_hand_side) override;
+  void poisson_restrict(const LevelView& coarse, View<const std::int32_t> children,
+                        View<const float> fine_values, View<float> coarse_values) override;
+  void poisson_prolong(const LevelView& fine, View<const std::int32_t> parents,
+                       View<const float> coarse_values, View<float> fine_values) override;
+  void poisson_sample_points(const LevelView& level, const PointIndex& index,
+                             const PointView& points, View<const float> coefficients,
+                             View<float> values) override;
+  void isovalue_splat(const LevelView& level, const PointIndex& index, const PointView& points,
+                      View<const float> values, View<float> numerator,
+                      View<float> denominator) override;
+  void isovalue_smooth(const LevelView& level, int axis, float tap, View<const float> in,
+                       View<float> out) override;
+  void isovalue_divide(float fallback, View<const float> denominator,
+                       View<float> numerator) override;
+  void field_subtract(View<float> a, View<const float> b) override;
+
  private:
+  void bring_to_host(void* handle, bool writes) override { memory_->bring_to_host(handle, writes); }
+
   template <class T>
   void fill_view(View<T> values, T value);
 
-  /// Queues `groups` work-groups of `items`; a view is passed as its memory and its first element.
+  /// Queues `groups` work-groups of `items`; a view is passed as its memory and its first element,
+  /// an array as its entries.
   template <class... Arguments>
   void launch(const char* name, std::size_t groups, int items, const Arguments&... arguments) {
     if (groups == 0) return;
@@ -69,13 +103,23 @@ class OpenClBackend final : public PartialBackend {
     check(queue_.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(groups * items),
                                       cl::NDRange(items)),
           std::string(name) + " on " + device_name_);
+    memory_->finish_loans();
+  }
+  template <class T>
+  cl_mem memory_of(const View<T>& view) {
+    return memory_->on_device(view.handle, (view.offset + view.size) * sizeof(T),
+                              !std::is_const_v<T>);
   }
   template <class T>
   void set(cl::Kernel& kernel, cl_uint& index, const View<T>& view) {
-    const auto memory = static_cast<cl_mem>(view.handle);
+    const cl_mem memory = memory_of(view);
     const cl_ulong first = view.offset;
     set_bytes(kernel, index++, sizeof(memory), &memory);
     set_bytes(kernel, index++, sizeof(first), &first);
+  }
+  template <class T, std::size_t n>
+  void set(cl::Kernel& kernel, cl_uint& index, const std::array<View<T>, n>& views) {
+    for (const View<T>& view : views) set(kernel, index, view);
   }
   template <class T>
   void set(cl::Kernel& kernel, cl_uint& index, const T& value) {
@@ -92,6 +136,8 @@ class OpenClBackend final : public PartialBackend {
   cl::CommandQueue queue_;
   WorkShape shape_;
   std::optional<Programs> programs_;
+  std::optional<DeviceMemory> memory_;
+  std::shared_ptr<Backend> workers_;
   std::size_t held_ = 0, peak_ = 0, limit_ = 0;
   Buffer<float> sums_;            // of reduce_sum
   Buffer<std::uint64_t> totals_;  // of exclusive_scan, a block an entry

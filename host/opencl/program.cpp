@@ -17,7 +17,7 @@ std::string_view text_of(std::span<const KernelSource> sources, std::string_view
 }
 
 std::string options_of(const cl::Device& device, const WorkShape& shape) {
-  std::string options = "-cl-std=CL1.2";
+  std::string options = "-cl-std=CL1.2 -w";
   if (ask<CL_DEVICE_SINGLE_FP_CONFIG>(device) & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT)
     options += " -cl-fp32-correctly-rounded-divide-sqrt";
   const auto define = [&options](const char* name, int value) {
@@ -66,11 +66,18 @@ Programs::Programs(cl::Context context, cl::Device device, const WorkShape& shap
 
 cl::Kernel& Programs::kernel(const std::string& name) {
   if (const auto found = kernels_.find(name); found != kernels_.end()) return found->second;
-  const std::string file = name.substr(0, name.find('_')) + ".cl";
+  const std::string file = file_of(name);
   cl_int status = CL_SUCCESS;
   cl::Kernel kernel(program(file), name.c_str(), &status);
   check(status, "taking kernel " + name + " from " + file);
   return kernels_.emplace(name, std::move(kernel)).first->second;
+}
+
+std::string Programs::file_of(const std::string& kernel) const {
+  const std::string definition = "void " + kernel + "(";
+  for (const KernelSource& source : sources_)
+    if (source.text.find(definition) != std::string_view::npos) return std::string(source.file);
+  throw Error(ErrorCode::internal, "no kernel " + kernel + " in this build");
 }
 
 const cl::Program& Programs::program(const std::string& file) {

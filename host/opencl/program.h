@@ -28,11 +28,12 @@ class Programs {
   Programs(cl::Context context, cl::Device device, const WorkShape& shape, ProgramCache cache,
            std::span<const KernelSource> sources = kernel_sources());
 
-  /// The kernel `stage_verb` of stage.cl. \throws DeviceFailure internal, with the build's log,
-  /// when the file does not build; no_device where the device has no compiler.
+  /// The kernel of that name, from the file that defines it. \throws DeviceFailure internal, with
+  /// the build's log, when the file does not build; no_device where the device has no compiler.
   cl::Kernel& kernel(const std::string& name);
 
  private:
+  std::string file_of(const std::string& kernel) const;
   const cl::Program& program(const std::string& file);
   std::string source_of(const std::string& file) const;
   cl::Program from_cache(const std::string& key) const;

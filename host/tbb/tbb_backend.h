@@ -107,7 +107,12 @@ class TbbBackend final : public Backend {
                        View<const std::uint32_t> starts, View<std::uint32_t> nodes) override;
   std::uint32_t relabel_sweep(const BrickView& bricks, View<const std::uint8_t> simple,
                               View<const float> values, float threshold,
-                              View<const std::uint32_t> nodes, View<std::uint8_t> state) override;
+                              View<const std::uint32_t> nodes, View<std::uint8_t> state,
+                              View<std::uint32_t> left) override;
+  void relabel_mark(View<const std::uint32_t> nodes, std::uint8_t mark,
+                    View<std::uint8_t> marks) override;
+  void relabel_find_marked(const BrickView& bricks, View<const std::uint8_t> marks,
+                           View<std::uint8_t> marked) override;
   std::uint32_t lattice_mark_far(const BrickView& bricks, View<const std::uint8_t> active,
                                  const Scale& scale, float limit, View<const std::uint8_t> state,
                                  View<const float> values, View<std::uint8_t> marks) override;

@@ -1,0 +1,142 @@
+#include "opencl/device_memory.h"
+
+#include <cstring>
+#include <new>
+#include <utility>
+
+#include "vasamesh/errors.h"
+
+namespace vasamesh {
+
+namespace {
+
+constexpr std::align_val_t kPage{4096};  // what devices ask for that shall work in host memory
+
+}  // namespace
+
+DeviceMemory::DeviceMemory(cl::Context context, cl::CommandQueue queue, std::string device,
+                           bool shared)
+    : context_(std::move(context)),
+      queue_(std::move(queue)),
+      device_(std::move(device)),
+      shared_(shared) {}
+
+DeviceMemory::~DeviceMemory() {
+  for (const Loan& loan : loans_) clReleaseMemObject(loan.memory);
+}
+
+void* DeviceMemory::allocate(std::size_t bytes) {
+  void* host = ::operator new(bytes, kPage, std::nothrow);
+  if (!host)
+    throw Error(ErrorCode::refused,
+                "out of memory: " + std::to_string(bytes) + " bytes could not be had");
+  try {
+    allocations_[host] = {
+        create(bytes, shared_ ? CL_MEM_USE_HOST_PTR : 0, shared_ ? host : nullptr), bytes};
+  } catch (...) {
+    ::operator delete(host, kPage);
+    throw;
+  }
+  return host;
+}
+
+/// Commands that are queued may still use the memory.
+void DeviceMemory::release(void* handle) noexcept {
+  const auto found = allocations_.find(handle);
+  if (shared_) queue_.finish();
+  clReleaseMemObject(found->second.memory);
+  allocations_.erase(found);
+  ::operator delete(handle, kPage);
+}
+
+cl_mem DeviceMemory::on_device(void* handle, std::size_t bytes, bool writes) {
+  if (!handle) return nullptr;
+  Allocation* own = find(handle);
+  if (!own) return lend(handle, bytes, writes);
+  if (shared_) return own->memory;
+  if (own->device_stale)
+    check(clEnqueueWriteBuffer(queue_(), own->memory, CL_TRUE, 0, own->bytes, handle, 0, nullptr,
+                               nullptr),
+          "copying " + std::to_string(own->bytes) + " bytes to " + device_);
+  own->device_stale = false;
+  own->host_stale |= writes;
+  return own->memory;
+}
+
+void DeviceMemory::finish_loans() {
+  for (const Loan& loan : loans_) {
+    if (loan.writes && !shared_)
+      check(clEnqueueReadBuffer(queue_(), loan.memory, CL_TRUE, 0, loan.bytes, loan.address, 0,
+                                nullptr, nullptr),
+            "copying " + std::to_string(loan.bytes) + " bytes from " + device_);
+    clReleaseMemObject(loan.memory);
+  }
+  loans_.clear();
+}
+
+void DeviceMemory::bring_to_host(void* handle, bool writes) {
+  check(queue_.finish(), "waiting for " + device_);
+  Allocation* own = shared_ ? nullptr : find(handle);
+  if (!own) return;
+  copy_to_host(handle, *own);
+  own->device_stale |= writes;
+}
+
+void DeviceMemory::settle() {
+  check(queue_.finish(), "waiting for " + device_);
+  if (shared_) return;
+  for (auto& [handle, own] : allocations_) {
+    copy_to_host(const_cast<void*>(handle), own);
+    own.device_stale = true;
+  }
+}
+
+void DeviceMemory::write(void* handle, std::size_t offset, const void* from, std::size_t bytes) {
+  const Allocation* own = find(handle);
+  if (!own || (!shared_ && !own->host_stale))
+    std::memcpy(static_cast<std::byte*>(handle) + offset, from, bytes);
+  if (!own || own->device_stale) return;
+  check(clEnqueueWriteBuffer(queue_(), own->memory, CL_TRUE, offset, bytes, from, 0, nullptr,
+                             nullptr),
+        "copying " + std::to_string(bytes) + " bytes to " + device_);
+}
+
+void DeviceMemory::read(const void* handle, std::size_t offset, void* to, std::size_t bytes) {
+  const Allocation* own = find(handle);
+  if (!own || own->device_stale) {
+    std::memcpy(to, static_cast<const std::byte*>(handle) + offset, bytes);
+    return;
+  }
+  check(clEnqueueReadBuffer(queue_(), own->memory, CL_TRUE, offset, bytes, to, 0, nullptr, nullptr),
+        "copying " + std::to_string(bytes) + " bytes from " + device_);
+}
+
+cl_mem DeviceMemory::create(std::size_t bytes, cl_mem_flags flags, void* host) {
+  cl_int status = CL_SUCCESS;
+  cl_mem memory = clCreateBuffer(context_(), CL_MEM_READ_WRITE | flags, bytes, host, &status);
+  check(status, "allocating " + std::to_string(bytes) + " bytes on " + device_);
+  return memory;
+}
+
+cl_mem DeviceMemory::lend(void* address, std::size_t bytes, bool writes) {
+  const cl_mem memory =
+      create(bytes, shared_ ? CL_MEM_USE_HOST_PTR : CL_MEM_COPY_HOST_PTR, address);
+  loans_.push_back({memory, address, bytes, writes});
+  return memory;
+}
+
+void DeviceMemory::copy_to_host(void* handle, Allocation& own) {
+  if (!own.host_stale) return;
+  check(
+      clEnqueueReadBuffer(queue_(), own.memory, CL_TRUE, 0, own.bytes, handle, 0, nullptr, nullptr),
+      "copying " + std::to_string(own.bytes) + " bytes from " + device_);
+  own.host_stale = false;
+}
+
+/// Null for another backend's memory.
+DeviceMemory::Allocation* DeviceMemory::find(const void* handle) {
+  const auto found = allocations_.find(handle);
+  return found == allocations_.end() ? nullptr : &found->second;
+}
+
+}  // namespace vasamesh
