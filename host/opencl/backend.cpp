@@ -103,6 +103,13 @@ void* OpenClBackend::allocate(std::size_t bytes) {
   return handle;
 }
 
+void OpenClBackend::set_checkpoint(std::function<void()> checkpoint) {
+  memory_->set_checkpoint(checkpoint);
+  programs_->set_checkpoint(checkpoint);
+  if (workers_) workers_->set_checkpoint(checkpoint);
+  PartialBackend::set_checkpoint(std::move(checkpoint));
+}
+
 void OpenClBackend::release(void* handle, std::size_t bytes) noexcept {
   held_ -= bytes;
   memory_->release(handle);
@@ -117,7 +124,7 @@ void OpenClBackend::read(const void* handle, std::size_t offset, void* to, std::
 }
 
 void OpenClBackend::run(std::size_t tasks, const std::function<void(std::size_t)>& task) {
-  check(queue_.finish(), "waiting for " + device_name_);
+  memory_->wait();
   workers_ ? workers_->run(tasks, task) : PartialBackend::run(tasks, task);
 }
 

@@ -44,6 +44,7 @@ class OpenClBackend final : public PartialBackend {
   void* allocate(std::size_t bytes) override;
   void release(void* handle, std::size_t bytes) noexcept override;
   void settle() override { memory_->settle(); }
+  void set_checkpoint(std::function<void()> checkpoint) override;
   void write(void* handle, std::size_t offset, const void* from, std::size_t bytes) override;
   void read(const void* handle, std::size_t offset, void* to, std::size_t bytes) override;
 

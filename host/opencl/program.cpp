@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "backend/device_failure.h"
+#include "opencl/wait.h"
 
 namespace vasamesh {
 
@@ -115,7 +116,10 @@ cl::Program Programs::build(const std::string& file, const std::string& source) 
   cl_int status = CL_SUCCESS;
   cl::Program program(context_, source, false, &status);
   check(status, "making a program of " + file);
-  const cl_int built = program.build(device_, options_.c_str());
+  const cl_int built =
+      run_beside([program, device = device_,
+                  options = options_]() mutable { return program.build(device, options.c_str()); },
+                 checkpoint_);
   if (built == CL_SUCCESS) return program;
   throw DeviceFailure(
       built == CL_COMPILER_NOT_AVAILABLE ? ErrorCode::no_device : ErrorCode::internal,

@@ -4,6 +4,7 @@
 /// Kernels by name, built for one device: a file of kernels/ is a program, built when the first of
 /// its kernels is asked for, from the cache on disk where it holds one.
 
+#include <functional>
 #include <map>
 #include <span>
 #include <string>
@@ -32,6 +33,9 @@ class Programs {
   /// the build's log, when the file does not build; no_device where the device has no compiler.
   cl::Kernel& kernel(const std::string& name);
 
+  /// What to call while a program is built.
+  void set_checkpoint(std::function<void()> checkpoint) { checkpoint_ = std::move(checkpoint); }
+
  private:
   std::string file_of(const std::string& kernel) const;
   const cl::Program& program(const std::string& file);
@@ -44,6 +48,7 @@ class Programs {
   std::string options_;
   ProgramCache cache_;
   std::span<const KernelSource> sources_;
+  std::function<void()> checkpoint_;
   std::map<std::string, cl::Program> programs_;  // by file
   std::map<std::string, cl::Kernel> kernels_;    // by name
 };

@@ -82,7 +82,8 @@ using vasamesh::failing_opencl::fails;
 using vasamesh::failing_opencl::next;
 using vasamesh::failing_opencl::pretend_answer;
 
-// What keeps and gives back objects happens in any case, so that no test leaks.
+// What keeps objects, gives them back or waits for their end happens in any case, so that no test
+// leaks, and a device that has failed does not work on.
 
 #define STATUS(name, parameters, arguments)                                    \
   cl_int name parameters {                                                     \
