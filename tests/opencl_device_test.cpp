@@ -8,23 +8,12 @@
 #include "backend/backend.h"
 #include "device_choice.h"
 #include "opencl/backend.h"
+#include "support/environment.h"
 #include "vasamesh/errors.h"
 #include "vasamesh/host.h"
 
 namespace vasamesh {
 namespace {
-
-/// Sets an environment variable for one test.
-class Variable {
- public:
-  Variable(const char* name, const std::string& value) : name_(name) {
-    setenv(name, value.c_str(), 1);
-  }
-  ~Variable() { unsetenv(name_); }
-
- private:
-  const char* name_;
-};
 
 ContextOptions asked(const std::string& backend, const std::string& device = "") {
   ContextOptions options;

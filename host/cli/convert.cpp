@@ -47,7 +47,8 @@ StageReport timed(const char* name, const Work& work) {
 void run_convert(const ConvertRequest& request) {
   catch_interrupts(true);
   check_request(request);
-  Context context = make_context(request.context);
+  // Lives as long as the program: to close a device means to wait for it, even when interrupted.
+  static Context& context = *new Context(make_context(request.context));
   Progress progress(request.quiet);
   context.cancel = &interrupted();
   context.progress = [&](std::string_view phase, double fraction) {

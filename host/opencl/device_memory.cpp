@@ -29,13 +29,13 @@ DeviceMemory::~DeviceMemory() {
 }
 
 void DeviceMemory::wait() {
-  left_running_ = true;
   wait_for(queue_, checkpoint_, device_);
-  left_running_ = false;
+  idle_ = true;
   give_back_left();
 }
 
 void* DeviceMemory::allocate(std::size_t bytes) {
+  if (!left_.empty()) wait();
   void* host = ::operator new(bytes, kPage, std::nothrow);
   if (!host)
     throw Error(ErrorCode::refused,
@@ -50,17 +50,15 @@ void* DeviceMemory::allocate(std::size_t bytes) {
   return host;
 }
 
-/// Commands that are queued may still use memory that is shared.
+/// Commands that are queued may still use memory that is shared: it is kept until a wait is over.
 void DeviceMemory::release(void* handle) noexcept {
   const auto found = allocations_.find(handle);
   const Allocation allocation = found->second;
   allocations_.erase(found);
-  if (shared_ && (left_running_ || queue_.finish() != CL_SUCCESS)) {
-    left_running_ = true;
+  if (shared_ && !idle_)
     left_.emplace_back(handle, allocation);
-  } else {
+  else
     give_back(handle, allocation);
-  }
 }
 
 void DeviceMemory::give_back(void* handle, const Allocation& allocation) {
@@ -75,6 +73,7 @@ void DeviceMemory::give_back_left() {
 
 cl_mem DeviceMemory::on_device(void* handle, std::size_t bytes, bool writes) {
   if (!handle) return nullptr;
+  idle_ = false;
   Allocation* own = find(handle);
   if (!own) return lend(handle, bytes, writes);
   if (shared_) return own->memory;

@@ -77,8 +77,8 @@ class DeviceMemory {
   std::unordered_map<const void*, Allocation> allocations_;  // by the host's address
   std::vector<Loan> loans_;
   std::function<void()> checkpoint_;
-  bool left_running_ = false;  ///< a wait was broken off: commands may still use what is shared
-  std::vector<std::pair<void*, Allocation>> left_;  ///< released since then
+  bool idle_ = true;                                ///< nothing was queued since the last wait
+  std::vector<std::pair<void*, Allocation>> left_;  ///< released while commands may use it
 };
 
 }  // namespace vasamesh

@@ -108,18 +108,22 @@ cl::Program Programs::from_cache(const std::string& key) const {
   if (!binary) return {};
   cl_int status = CL_SUCCESS;
   cl::Program program(context_, {device_}, {{binary->begin(), binary->end()}}, nullptr, &status);
-  if (status != CL_SUCCESS || program.build(device_, options_.c_str()) != CL_SUCCESS) return {};
+  if (status != CL_SUCCESS || build(program) != CL_SUCCESS) return {};
   return program;
+}
+
+cl_int Programs::build(const cl::Program& program) const {
+  const auto work = [program, device = device_, options = options_] {
+    return program.build(device, options.c_str());
+  };
+  return run_beside(work, checkpoint_);
 }
 
 cl::Program Programs::build(const std::string& file, const std::string& source) const {
   cl_int status = CL_SUCCESS;
   cl::Program program(context_, source, false, &status);
   check(status, "making a program of " + file);
-  const cl_int built =
-      run_beside([program, device = device_,
-                  options = options_]() mutable { return program.build(device, options.c_str()); },
-                 checkpoint_);
+  const cl_int built = build(program);
   if (built == CL_SUCCESS) return program;
   throw DeviceFailure(
       built == CL_COMPILER_NOT_AVAILABLE ? ErrorCode::no_device : ErrorCode::internal,

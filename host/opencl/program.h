@@ -42,6 +42,7 @@ class Programs {
   std::string source_of(const std::string& file) const;
   cl::Program from_cache(const std::string& key) const;
   cl::Program build(const std::string& file, const std::string& source) const;
+  cl_int build(const cl::Program& program) const;
 
   cl::Context context_;
   cl::Device device_;
