@@ -5,8 +5,9 @@
 /// The build states the shape of the work (host/opencl/program.cpp):
 ///   BRICK_ITEMS  work-items a brick, one work-group: 1 on a CPU, 64 (an item a row) elsewhere;
 ///   SCAN_ITEMS, SCAN_RUN  work-items a block of the scan, and consecutive values an item takes;
-///   FOLD_ITEMS  work-items a group of a sum's folds, one an element;
-///   REDUCE_ITEMS  work-items that finish a sum.
+///   FOLD_ITEMS  work-items a group of passes over elements and of a sum's folds, one an element;
+///   REDUCE_ITEMS  work-items that finish a sum;
+/// and the engine's constants that kernels need (host/opencl/constants.cpp).
 /// Array arguments come in pairs, the memory object and the first element of the view in it:
 /// VIEW(type, name), and TAKE(name) before the first use.
 
@@ -16,6 +17,7 @@
 #define TAKE(name) name += name##_first
 
 #define BRICK_GROUP reqd_work_group_size(BRICK_ITEMS, 1, 1)
+#define ELEMENT_GROUP reqd_work_group_size(FOLD_ITEMS, 1, 1)
 #define BRICK_CELLS 512
 #define BRICK_ROWS 64
 #define NEIGHBOURS 27

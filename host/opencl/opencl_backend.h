@@ -30,9 +30,7 @@ class OpenClBackend final : public PartialBackend {
 
   std::string name() const override { return "opencl"; }
   std::string device() const override { return device_name_; }
-  bool offers(Stage stage) const override {
-    return stage == Stage::octree || stage == Stage::poisson;
-  }
+  bool offers(Stage stage) const override { return stage <= Stage::poisson; }
   std::size_t bytes_held() const override { return held_; }
   std::size_t bytes_peak() const override { return peak_; }
   void set_byte_limit(std::size_t bytes) override { limit_ = bytes; }
@@ -50,6 +48,24 @@ class OpenClBackend final : public PartialBackend {
   void fill(View<std::uint32_t> values, std::uint32_t value) override;
   std::uint32_t exclusive_scan(View<const std::uint32_t> values, View<std::uint32_t> sums) override;
   float reduce_sum(View<const float> values) override;
+
+  void volume_pack(const VolumeView& volume, const std::array<int, 3>& size, int words_per_row,
+                   View<std::uint64_t> words) override;
+  void points_thin_mask(const BitView& object, View<std::uint64_t> thin,
+                        View<std::uint64_t> refine) override;
+  void points_mark_bricks(const BitView& object, View<std::uint8_t> octants) override;
+  void points_count(const BitView& object, const BitView& refine, const BrickView& bricks,
+                    View<std::uint32_t> counts, View<std::uint32_t> refined) override;
+  void points_emit(const BitView& object, const BitView& thin, const BitView& refine,
+                   const BrickView& bricks, View<const std::uint32_t> voxel_start,
+                   const Scale& scale, const PointOutput& points) override;
+
+  void normals_gradient(const BitView& object, const PointView& points, const Scale& scale,
+                        float sigma, std::array<View<float>, 3> normals) override;
+  void normals_covariance(const PointView& points, const BrickView& bricks,
+                          View<const std::uint32_t> voxel_start, const Scale& scale, int k,
+                          std::array<View<const float>, 3> gradients,
+                          std::array<View<float>, 3> normals) override;
 
   void poisson_apply(const LevelView& level, View<const std::uint8_t> unknown, View<const float> p,
                      View<float> q, View<float> partial) override;
@@ -87,6 +103,12 @@ class OpenClBackend final : public PartialBackend {
 
   template <class T>
   void fill_view(View<T> values, T value);
+
+  /// Groups of passes over elements: groups of fold_items.
+  std::size_t groups_of(std::size_t elements) const {
+    const auto items = static_cast<std::size_t>(shape_.fold_items);
+    return (elements + items - 1) / items;
+  }
 
   /// Queues `groups` work-groups of `items`; a view is passed as its memory and its first element,
   /// an array as its entries.

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <vector>
 
+#include "opencl/constants.h"
 #include "vasamesh/errors.h"
 
 namespace vasamesh {
@@ -28,7 +29,7 @@ std::string options_of(const cl::Device& device, const WorkShape& shape) {
   define("SCAN_RUN", shape.scan_run);
   define("FOLD_ITEMS", shape.fold_items);
   define("REDUCE_ITEMS", shape.reduce_items);
-  return options;
+  return options + kernel_constants();
 }
 
 /// What a built program depends on.
