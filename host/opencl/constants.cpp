@@ -6,6 +6,7 @@
 #include "stages/gradient_table.h"
 #include "stages/jacobi.h"
 #include "stages/normals.h"
+#include "types/lattice.h"
 #include "types/volume.h"
 
 namespace vasamesh {
@@ -26,7 +27,10 @@ std::string define(const char* name, float value) {
 }  // namespace
 
 std::string kernel_constants() {
-  return define("THIN_PAD", kPad) + define("NORMALS_REACH", kNeighbourReach) +
+  return define("THIN_PAD", kPad) + define("LATTICE_LABEL", kLabel) +
+         define("LATTICE_SOLID", kSolid) + define("LATTICE_FREE", kFree) +
+         define("LATTICE_FACE_CENTRE", kFaceCentre) + define("LATTICE_FAR_MARK", kFarMark) +
+         define("LATTICE_STUCK_MARK", kStuckMark) + define("NORMALS_REACH", kNeighbourReach) +
          define("NORMALS_SAME_SHEET", kSameSheet) +
          define("NORMALS_TANGENT_WEIGHT", kTangentWeight) +
          define("NORMALS_NO_GRADIENT", kNoGradient) +

@@ -16,6 +16,7 @@
 #include "opencl/check.h"
 #include "opencl/device_memory.h"
 #include "opencl/program.h"
+#include "types/tetrahedra.h"
 
 namespace vasamesh {
 
@@ -30,7 +31,7 @@ class OpenClBackend final : public PartialBackend {
 
   std::string name() const override { return "opencl"; }
   std::string device() const override { return device_name_; }
-  bool offers(Stage stage) const override { return stage <= Stage::poisson; }
+  bool offers(Stage stage) const override { return stage <= Stage::surface; }
   std::size_t bytes_held() const override { return held_; }
   std::size_t bytes_peak() const override { return peak_; }
   void set_byte_limit(std::size_t bytes) override { limit_ = bytes; }
@@ -97,6 +98,43 @@ class OpenClBackend final : public PartialBackend {
   void isovalue_divide(float fallback, View<const float> denominator,
                        View<float> numerator) override;
   void field_subtract(View<float> a, View<const float> b) override;
+  void lattice_mark(const BitView& object, const BrickView& bricks,
+                    const std::array<int, 3>& radius, View<std::uint8_t> used) override;
+  void lattice_label(const BitView& object, int connectivity, const BrickView& bricks,
+                     const std::array<int, 3>& radius, View<std::uint8_t> state) override;
+  void lattice_sample(const BrickView& bricks, View<const std::int32_t> in_regular,
+                      View<const float> regular, View<const std::int32_t> in_refined,
+                      View<const float> refined, View<float> values) override;
+  void relabel_count(const BrickView& bricks, View<const std::uint8_t> active,
+                     View<const std::uint8_t> state, View<const float> values,
+                     View<std::uint32_t> counts) override;
+  void relabel_collect(const BrickView& bricks, View<const std::uint8_t> active,
+                       View<const std::uint8_t> state, View<const float> values,
+                       View<const std::uint32_t> starts, View<std::uint32_t> nodes) override;
+  std::uint32_t relabel_sweep(const BrickView& bricks, View<const std::uint8_t> simple,
+                              View<const float> values, float threshold,
+                              View<const std::uint32_t> nodes, View<std::uint8_t> state,
+                              View<std::uint32_t> left) override;
+  void relabel_mark(View<const std::uint32_t> nodes, std::uint8_t mark,
+                    View<std::uint8_t> marks) override;
+  void relabel_find_marked(const BrickView& bricks, View<const std::uint8_t> marks,
+                           View<std::uint8_t> marked) override;
+  std::uint32_t lattice_mark_far(const BrickView& bricks, View<const std::uint8_t> active,
+                                 const Scale& scale, float limit, View<const std::uint8_t> state,
+                                 View<const float> values, View<std::uint8_t> marks) override;
+  void lattice_blend(const BrickView& bricks, View<const std::uint8_t> marks, float radius,
+                     float strength, bool smooth, View<const std::uint8_t> state,
+                     View<float> values) override;
+  std::uint32_t lattice_clamp(const BrickView& bricks, float least, View<const std::uint8_t> state,
+                              View<float> values) override;
+  void surface_count(const BrickView& bricks, View<const std::uint8_t> state,
+                     View<std::uint8_t> crossed, View<std::uint16_t> node_start,
+                     View<std::uint32_t> vertices, View<std::uint32_t> triangles) override;
+  void surface_emit(const BrickView& bricks, View<const std::uint8_t> state,
+                    View<const float> values, float margin, View<const std::uint8_t> crossed,
+                    View<const std::uint16_t> node_start, View<const std::uint32_t> vertex_start,
+                    View<const std::uint32_t> triangle_start, View<float> vertices,
+                    View<std::uint32_t> triangles) override;
 
  private:
   void bring_to_host(void* handle, bool writes) override { memory_->bring_to_host(handle, writes); }
@@ -147,6 +185,12 @@ class OpenClBackend final : public PartialBackend {
     check(kernel.setArg(index, size, value), "setting an argument on " + device_name_);
   }
 
+  /// Counts of a pass's groups, and their sum.
+  View<std::uint32_t> counts_of(std::size_t count);
+  std::uint32_t sum_of_counts();
+
+  View<const CubeCase> cube_cases();
+
   cl::Device device_;
   std::string device_name_;
   std::size_t largest_buffer_;
@@ -159,6 +203,8 @@ class OpenClBackend final : public PartialBackend {
   std::size_t held_ = 0, peak_ = 0, limit_ = 0;
   Buffer<float> sums_;            // of reduce_sum
   Buffer<std::uint64_t> totals_;  // of exclusive_scan, a block an entry
+  Buffer<std::uint32_t> counts_;
+  Buffer<CubeCase> cube_cases_;
 };
 
 }  // namespace vasamesh
