@@ -5,8 +5,9 @@
 /// The build states the shape of the work (host/opencl/program.cpp):
 ///   BRICK_ITEMS  work-items a brick, one work-group: 1 on a CPU, 64 (an item a row) elsewhere;
 ///   SCAN_ITEMS, SCAN_RUN  work-items a block of the scan, and consecutive values an item takes;
-///   FOLD_ITEMS  work-items a group of a sum's folds, one an element;
-///   REDUCE_ITEMS  work-items that finish a sum.
+///   FOLD_ITEMS  work-items a group of passes over elements and of a sum's folds, one an element;
+///   REDUCE_ITEMS  work-items that finish a sum;
+/// and the engine's constants that kernels need (host/opencl/constants.cpp).
 /// Array arguments come in pairs, the memory object and the first element of the view in it:
 /// VIEW(type, name), and TAKE(name) before the first use.
 
@@ -16,6 +17,7 @@
 #define TAKE(name) name += name##_first
 
 #define BRICK_GROUP reqd_work_group_size(BRICK_ITEMS, 1, 1)
+#define ELEMENT_GROUP reqd_work_group_size(FOLD_ITEMS, 1, 1)
 #define BRICK_CELLS 512
 #define BRICK_ROWS 64
 #define NEIGHBOURS 27
@@ -62,6 +64,33 @@ static float brick_cell_beside(global const float *field, global const int *near
   const int brick = near[SELF + step * STEP_X];
   if (brick < 0) return 0.0f;
   return field[(size_t)brick * BRICK_CELLS + 8 * row + x];
+}
+
+/// Row (y, z) of the bricks in a table of `side` along each axis, x brick `x`; zeros where there is
+/// none. y and z count cells from the table's corner.
+static float8 table_row(global const float *field, global const int *table, int side, int x, int y,
+                         int z) {
+  const int brick = table[x + side * ((y >> 3) + side * (z >> 3))];
+  if (brick < 0) return (float8)(0.0f);
+  return vload8((size_t)brick * BRICK_ROWS + (y & 7) + 8 * (z & 7), field);
+}
+
+static float table_cell(global const float *field, global const int *table, int side, int x, int y,
+                         int z) {
+  const int brick = table[(x >> 3) + side * ((y >> 3) + side * (z >> 3))];
+  if (brick < 0) return 0.0f;
+  return field[(size_t)brick * BRICK_CELLS + (x & 7) + 8 * ((y & 7) + 8 * (z & 7))];
+}
+
+/// Six cells along x: of the octant of the middle one of 27 bricks, and the one before and behind;
+/// row (y, z), 0..5, is counted likewise.
+static float8 table_octant_row(global const float *field, global const int *table, int3 octant,
+                               int y, int z) {
+  const int ty = y + 4 * octant.y + 7, tz = z + 4 * octant.z + 7;
+  const float8 own = table_row(field, table, 3, 1, ty, tz);
+  const float beside = table_cell(field, table, 3, octant.x ? 16 : 7, ty, tz);
+  return octant.x ? (float8)(own.s3456, own.s7, beside, 0.0f, 0.0f)
+                  : (float8)(beside, own.s0123, own.s4, 0.0f, 0.0f);
 }
 
 /// Sum of a brick's products: lane x adds its 64 cells in order of the rows, then the lanes are
@@ -155,3 +184,21 @@ static uint2 point_run(const PointBox *box, int bx, int y, int z) {
       for (int run##_x = (box).low.x >> 3; run##_x <= ((box).high.x - 1) >> 3; ++run##_x)   \
         for (uint2 run = point_run(&(box), run##_x, run##_y, run##_z); run.x < run.y;       \
              run.x = run.y)
+
+// --- Nodes of the cell lattice (engine/types/lattice.h). --------------------------------------
+
+#define NO_NODE ULONG_MAX
+
+/// Index (512 * brick + cell) of the node at (x, y, z), each -8..15 from the corner of the brick
+/// with this neighbour table; NO_NODE where its brick is not there.
+static ulong node_at(global const int *near, int x, int y, int z) {
+  const int brick = near[SELF + (x >> 3) + STEP_Y * (y >> 3) + STEP_Z * (z >> 3)];
+  if (brick < 0) return NO_NODE;
+  return (ulong)brick * BRICK_CELLS + (x & 7) + 8 * (y & 7) + 64 * (z & 7);
+}
+
+/// Of the 14 neighbours of a node in its link, the i-th: bit masks 1..7, then their negatives.
+static int3 link_offset(int i) {
+  const int mask = i % 7 + 1, sign = i < 7 ? 1 : -1;
+  return (int3)(mask & 1, mask >> 1 & 1, mask >> 2) * sign;
+}

@@ -131,22 +131,6 @@ kernel __attribute__((BRICK_GROUP)) void poisson_splat(
 
 // --- Between levels. -------------------------------------------------------------------------
 
-/// Row (y, z) of the bricks in a table of `side` along each axis, x brick `x`; zeros where there is
-/// none. y and z count cells from the table's corner.
-static float8 octree_row(global const float *field, global const int *table, int side, int x, int y,
-                         int z) {
-  const int brick = table[x + side * ((y >> 3) + side * (z >> 3))];
-  if (brick < 0) return (float8)(0.0f);
-  return vload8((size_t)brick * BRICK_ROWS + (y & 7) + 8 * (z & 7), field);
-}
-
-static float octree_cell(global const float *field, global const int *table, int side, int x, int y,
-                         int z) {
-  const int brick = table[(x >> 3) + side * ((y >> 3) + side * (z >> 3))];
-  if (brick < 0) return 0.0f;
-  return field[(size_t)brick * BRICK_CELLS + (x & 7) + 8 * ((y & 7) + 8 * (z & 7))];
-}
-
 static float8 octree_restrict_four(float8 a, float8 b, float8 c, float8 d) {
   return 0.25f * (a + d) + 0.75f * (b + c);
 }
@@ -164,9 +148,9 @@ kernel __attribute__((BRICK_GROUP)) void poisson_restrict(VIEW(const int, childr
   global const int *table = children + brick * 64;
   for (int i = get_local_id(0); i < 18 * 18; i += BRICK_ITEMS) {
     const int y = i % 18 + 7, z = i / 18 + 7;
-    const float first = octree_cell(fine, table, 4, 7, y, z),
-                last = octree_cell(fine, table, 4, 24, y, z);
-    const float8 u = octree_row(fine, table, 4, 1, y, z), v = octree_row(fine, table, 4, 2, y, z);
+    const float first = table_cell(fine, table, 4, 7, y, z),
+                last = table_cell(fine, table, 4, 24, y, z);
+    const float8 u = table_row(fine, table, 4, 1, y, z), v = table_row(fine, table, 4, 2, y, z);
     along_x[i] = octree_restrict_four((float8)(first, u.s1357, v.s13, v.s5), (float8)(u.s0246, v.s0246),
                                       (float8)(u.s1357, v.s1357), (float8)(u.s24, u.s6, v.s0246, last));
   }
@@ -206,11 +190,7 @@ kernel __attribute__((BRICK_GROUP)) void poisson_prolong(VIEW(const int, coords)
   global const int *table = parents + brick * NEIGHBOURS;
   const int3 octant = vload3(brick, coords) & 1;
   for (int i = get_local_id(0); i < 6 * 6; i += BRICK_ITEMS) {
-    const int y = i % 6 + 4 * octant.y + 7, z = i / 6 + 4 * octant.z + 7;
-    const float8 own = octree_row(coarse, table, 3, 1, y, z);
-    const float beside = octree_cell(coarse, table, 3, octant.x ? 16 : 7, y, z);
-    const float8 c = octant.x ? (float8)(own.s3456, own.s7, beside, 0.0f, 0.0f)
-                              : (float8)(beside, own.s0123, own.s4, 0.0f, 0.0f);
+    const float8 c = table_octant_row(coarse, table, octant, i % 6, i / 6);
     along_x[i] = octree_refine(c.s11223344, c.s02132435);
   }
   BRICK_SYNC();

@@ -185,13 +185,13 @@ TEST_F(OpenClDevices, IndexOutOfRange) {
 
 TEST_F(OpenClDevices, PassWithoutKernelIsOurFault) {
   const auto backend = make_opencl_backend({});
-  EXPECT_FALSE(backend->offers(Stage::points));
+  EXPECT_FALSE(backend->offers(Stage::surface));
   try {
-    backend->points_mark_bricks({}, {});
+    backend->surface_count({}, {}, {}, {}, {}, {});
     FAIL() << "there is no such kernel";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::internal);
-    EXPECT_NE(std::string(error.what()).find("points_mark_bricks"), std::string::npos);
+    EXPECT_NE(std::string(error.what()).find("surface_count"), std::string::npos);
   }
 }
 

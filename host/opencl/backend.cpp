@@ -181,14 +181,11 @@ float OpenClBackend::reduce_sum(View<const float> values) {
   }
   const cl_ulong count = values.size;
   cl_ulong half = std::bit_ceil(values.size) / 2;
-  const auto groups = [this](cl_ulong sums) {
-    return pieces(sums, static_cast<std::size_t>(shape_.fold_items));
-  };
   sums_.resize(*this, half);
-  launch("primitives_reduce_first", groups(half), shape_.fold_items, values, count, half,
+  launch("primitives_reduce_first", groups_of(half), shape_.fold_items, values, count, half,
          sums_.view());
   for (half /= 2; half > kReduceLast; half /= 2)
-    launch("primitives_reduce_fold", groups(half), shape_.fold_items, sums_.view(), half);
+    launch("primitives_reduce_fold", groups_of(half), shape_.fold_items, sums_.view(), half);
   if (half)
     launch("primitives_reduce_last", 1, shape_.reduce_items, sums_.view(),
            static_cast<cl_uint>(half));

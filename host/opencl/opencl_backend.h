@@ -16,6 +16,7 @@
 #include "opencl/check.h"
 #include "opencl/device_memory.h"
 #include "opencl/program.h"
+#include "types/tetrahedra.h"
 
 namespace vasamesh {
 
@@ -34,9 +35,7 @@ class OpenClBackend final : public PartialBackend {
 
   std::string name() const override { return "opencl"; }
   std::string device() const override { return device_name_; }
-  bool offers(Stage stage) const override {
-    return stage == Stage::octree || stage == Stage::poisson;
-  }
+  bool offers(Stage stage) const override { return stage <= Stage::surface; }
   std::size_t bytes_held() const override { return held_; }
   std::size_t bytes_peak() const override { return peak_; }
   void set_byte_limit(std::size_t bytes) override { limit_ = bytes; }
@@ -55,6 +54,24 @@ class OpenClBackend final : public PartialBackend {
   void fill(View<std::uint32_t> values, std::uint32_t value) override;
   std::uint32_t exclusive_scan(View<const std::uint32_t> values, View<std::uint32_t> sums) override;
   float reduce_sum(View<const float> values) override;
+
+  void volume_pack(const VolumeView& volume, const std::array<int, 3>& size, int words_per_row,
+                   View<std::uint64_t> words) override;
+  void points_thin_mask(const BitView& object, View<std::uint64_t> thin,
+                        View<std::uint64_t> refine) override;
+  void points_mark_bricks(const BitView& object, View<std::uint8_t> octants) override;
+  void points_count(const BitView& object, const BitView& refine, const BrickView& bricks,
+                    View<std::uint32_t> counts, View<std::uint32_t> refined) override;
+  void points_emit(const BitView& object, const BitView& thin, const BitView& refine,
+                   const BrickView& bricks, View<const std::uint32_t> voxel_start,
+                   const Scale& scale, const PointOutput& points) override;
+
+  void normals_gradient(const BitView& object, const PointView& points, const Scale& scale,
+                        float sigma, std::array<View<float>, 3> normals) override;
+  void normals_covariance(const PointView& points, const BrickView& bricks,
+                          View<const std::uint32_t> voxel_start, const Scale& scale, int k,
+                          std::array<View<const float>, 3> gradients,
+                          std::array<View<float>, 3> normals) override;
 
   void poisson_apply(const LevelView& level, View<const std::uint8_t> unknown, View<const float> p,
                      View<float> q, View<float> partial) override;
@@ -86,12 +103,55 @@ class OpenClBackend final : public PartialBackend {
   void isovalue_divide(float fallback, View<const float> denominator,
                        View<float> numerator) override;
   void field_subtract(View<float> a, View<const float> b) override;
+  void lattice_mark(const BitView& object, const BrickView& bricks,
+                    const std::array<int, 3>& radius, View<std::uint8_t> used) override;
+  void lattice_label(const BitView& object, int connectivity, const BrickView& bricks,
+                     const std::array<int, 3>& radius, View<std::uint8_t> state) override;
+  void lattice_sample(const BrickView& bricks, View<const std::int32_t> in_regular,
+                      View<const float> regular, View<const std::int32_t> in_refined,
+                      View<const float> refined, View<float> values) override;
+  void relabel_count(const BrickView& bricks, View<const std::uint8_t> active,
+                     View<const std::uint8_t> state, View<const float> values,
+                     View<std::uint32_t> counts) override;
+  void relabel_collect(const BrickView& bricks, View<const std::uint8_t> active,
+                       View<const std::uint8_t> state, View<const float> values,
+                       View<const std::uint32_t> starts, View<std::uint32_t> nodes) override;
+  std::uint32_t relabel_sweep(const BrickView& bricks, View<const std::uint8_t> simple,
+                              View<const float> values, float threshold,
+                              View<const std::uint32_t> nodes, View<std::uint8_t> state,
+                              View<std::uint32_t> left) override;
+  void relabel_mark(View<const std::uint32_t> nodes, std::uint8_t mark,
+                    View<std::uint8_t> marks) override;
+  void relabel_find_marked(const BrickView& bricks, View<const std::uint8_t> marks,
+                           View<std::uint8_t> marked) override;
+  std::uint32_t lattice_mark_far(const BrickView& bricks, View<const std::uint8_t> active,
+                                 const Scale& scale, float limit, View<const std::uint8_t> state,
+                                 View<const float> values, View<std::uint8_t> marks) override;
+  void lattice_blend(const BrickView& bricks, View<const std::uint8_t> marks, float radius,
+                     float strength, bool smooth, View<const std::uint8_t> state,
+                     View<float> values) override;
+  std::uint32_t lattice_clamp(const BrickView& bricks, float least, View<const std::uint8_t> state,
+                              View<float> values) override;
+  void surface_count(const BrickView& bricks, View<const std::uint8_t> state,
+                     View<std::uint8_t> crossed, View<std::uint16_t> node_start,
+                     View<std::uint32_t> vertices, View<std::uint32_t> triangles) override;
+  void surface_emit(const BrickView& bricks, View<const std::uint8_t> state,
+                    View<const float> values, float margin, View<const std::uint8_t> crossed,
+                    View<const std::uint16_t> node_start, View<const std::uint32_t> vertex_start,
+                    View<const std::uint32_t> triangle_start, View<float> vertices,
+                    View<std::uint32_t> triangles) override;
 
  private:
   void bring_to_host(void* handle, bool writes) override { memory_->bring_to_host(handle, writes); }
 
   template <class T>
   void fill_view(View<T> values, T value);
+
+  /// Groups of passes over elements: groups of fold_items.
+  std::size_t groups_of(std::size_t elements) const {
+    const auto items = static_cast<std::size_t>(shape_.fold_items);
+    return (elements + items - 1) / items;
+  }
 
   /// Queues `groups` work-groups of `items`; a view is passed as its memory and its first element,
   /// an array as its entries.
@@ -130,6 +190,12 @@ class OpenClBackend final : public PartialBackend {
     check(kernel.setArg(index, size, value), "setting an argument on " + device_name_);
   }
 
+  /// Counts of a pass's groups, and their sum.
+  View<std::uint32_t> counts_of(std::size_t count);
+  std::uint32_t sum_of_counts();
+
+  View<const CubeCase> cube_cases();
+
   cl::Device device_;
   std::string device_name_;
   std::size_t largest_buffer_;
@@ -142,6 +208,8 @@ class OpenClBackend final : public PartialBackend {
   std::size_t held_ = 0, peak_ = 0, limit_ = 0;
   Buffer<float> sums_;            // of reduce_sum
   Buffer<std::uint64_t> totals_;  // of exclusive_scan, a block an entry
+  Buffer<std::uint32_t> counts_;
+  Buffer<CubeCase> cube_cases_;
 };
 
 }  // namespace vasamesh

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "backend/device_failure.h"
+#include "opencl/constants.h"
 #include "opencl/wait.h"
 
 namespace vasamesh {
@@ -29,7 +30,7 @@ std::string options_of(const cl::Device& device, const WorkShape& shape) {
   define("SCAN_RUN", shape.scan_run);
   define("FOLD_ITEMS", shape.fold_items);
   define("REDUCE_ITEMS", shape.reduce_items);
-  return options;
+  return options + kernel_constants();
 }
 
 /// What a built program depends on.

@@ -15,7 +15,7 @@
 
 namespace vasamesh {
 
-/// How kernels are cut into work-items on one kind of device: the macros of kernels/common.cl.
+/// How kernels are cut into work-items on one kind of device: macros of kernels/common.cl.
 struct WorkShape {
   int brick_items, scan_items, scan_run, fold_items, reduce_items;
 
