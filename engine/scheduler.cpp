@@ -57,6 +57,7 @@ void Scheduler::begin(const char* name, Stage stage) {
   report.name = name;
   report.backend = backend.name();
   report.device = backend.device();
+  traffic_ = backend.traffic();
   progress(name, 0);
   started_ = Clock::now();
   open_ = true;
@@ -66,6 +67,13 @@ void Scheduler::end() {
   if (!open_) return;
   open_ = false;
   StageReport& report = reports_.back();
+  if (running_) {
+    running_->finish();
+    const Traffic traffic = running_->traffic();
+    report.launches = traffic.launches - traffic_.launches;
+    report.copies = traffic.copies - traffic_.copies;
+    report.bytes_copied = traffic.bytes - traffic_.bytes;
+  }
   report.seconds = std::chrono::duration<double>(Clock::now() - started_).count();
   for (const auto& backend : context_.backends)
     report.bytes_held += static_cast<std::int64_t>(backend->bytes_held());

@@ -57,6 +57,7 @@ class Scheduler {
   Clock::time_point started_, told_;
   std::string phase_;  ///< as told last, with its fraction
   double fraction_ = 0;
+  Traffic traffic_;  ///< of the running backend when the stage began
   bool open_ = false;
   bool host_alone_ = false;
 };

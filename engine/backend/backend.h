@@ -30,6 +30,13 @@ namespace vasamesh {
 /// The stages that a backend may offer.
 enum class Stage { points, normals, octree, poisson, lattice, surface, mesh, verify };
 
+/// What a device was given to do, and what was copied to and from it.
+struct Traffic {
+  std::int64_t launches = 0;  ///< of kernels
+  std::int64_t copies = 0;
+  std::int64_t bytes = 0;  ///< copied
+};
+
 class Backend : public Memory {
  public:
   virtual std::string name() const = 0;    ///< "tbb", "opencl"
@@ -37,6 +44,7 @@ class Backend : public Memory {
   virtual bool offers(Stage stage) const = 0;
   virtual std::size_t bytes_held() const = 0;
   virtual std::size_t bytes_peak() const = 0;
+  virtual Traffic traffic() const { return {}; }       ///< since it was opened
   virtual void set_byte_limit(std::size_t bytes) = 0;  ///< 0: none; allocate() throws above it
 
   /// Whether released buffers are kept for the next that are asked for (a Converter's, from one
@@ -68,6 +76,9 @@ class Backend : public Memory {
   /// Waits for the passes called before, and brings what they have written to the host's memory,
   /// for work that is not this backend's; takes for granted that it may write there.
   virtual void settle() {}
+
+  /// Waits for the passes called before.
+  virtual void finish() {}
 
   // --- Copies. `bytes` from byte `offset` of an allocation. ---------------------------------
 

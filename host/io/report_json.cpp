@@ -79,6 +79,9 @@ Json to_json(const StageReport& stage) {
           {"device", stage.device},
           {"seconds", stage.seconds},
           {"bytes_held", stage.bytes_held},
+          {"launches", stage.launches},
+          {"copies", stage.copies},
+          {"bytes_copied", stage.bytes_copied},
           {"failure", stage.failure}};
 }
 

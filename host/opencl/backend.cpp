@@ -86,6 +86,10 @@ OpenClBackend::OpenClBackend(cl::Device device, const WorkShape& shape, bool sha
                             "another, or use --backend tbb");
 }
 
+Traffic OpenClBackend::traffic() const {
+  return {launches_, memory_->copies(), memory_->bytes_copied()};
+}
+
 void* OpenClBackend::allocate(std::size_t bytes) {
   const std::size_t held = held_ + bytes;
   if (limit_ && held > limit_)

@@ -43,6 +43,8 @@ class OpenClBackend final : public PartialBackend {
   void* allocate(std::size_t bytes) override;
   void release(void* handle, std::size_t bytes) noexcept override;
   void settle() override { memory_->settle(); }
+  Traffic traffic() const override;
+  void finish() override { memory_->wait(); }
   void set_checkpoint(std::function<void()> checkpoint) override;
   void write(void* handle, std::size_t offset, const void* from, std::size_t bytes) override;
   void read(const void* handle, std::size_t offset, void* to, std::size_t bytes) override;
@@ -164,6 +166,7 @@ class OpenClBackend final : public PartialBackend {
     check(queue_.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(groups * items),
                                       cl::NDRange(items)),
           std::string(name) + " on " + device_name_);
+    ++launches_;
     memory_->finish_loans();
   }
   template <class T>
@@ -205,6 +208,7 @@ class OpenClBackend final : public PartialBackend {
   std::optional<Programs> programs_;
   std::optional<DeviceMemory> memory_;
   std::shared_ptr<Backend> workers_;
+  std::int64_t launches_ = 0;
   std::size_t held_ = 0, peak_ = 0, limit_ = 0;
   Buffer<float> sums_;            // of reduce_sum
   Buffer<std::uint64_t> totals_;  // of exclusive_scan, a block an entry
