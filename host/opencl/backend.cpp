@@ -111,7 +111,10 @@ void OpenClBackend::read(const void* handle, std::size_t offset, void* to, std::
 
 void OpenClBackend::run(std::size_t tasks, const std::function<void(std::size_t)>& task) {
   check(queue_.finish(), "waiting for " + device_name_);
-  workers_ ? workers_->run(tasks, task) : PartialBackend::run(tasks, task);
+  if (workers_)
+    workers_->run(tasks, task);
+  else
+    for (std::size_t i = 0; i < tasks; ++i) task(i);
 }
 
 template <class T>

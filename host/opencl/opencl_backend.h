@@ -11,7 +11,7 @@
 #include <string>
 #include <type_traits>
 
-#include "backend/partial_backend.h"
+#include "backend/backend.h"
 #include "opencl/backend.h"
 #include "opencl/check.h"
 #include "opencl/device_memory.h"
@@ -23,7 +23,7 @@ namespace vasamesh {
 /// The devices that list_opencl_devices() describes, in its order.
 std::vector<cl::Device> opencl_devices();
 
-class OpenClBackend final : public PartialBackend {
+class OpenClBackend final : public Backend {
  public:
   /// \param workers  runs the tasks of run().
   OpenClBackend(cl::Device device, const WorkShape& shape, bool shared_memory, ProgramCache cache,
