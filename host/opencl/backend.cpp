@@ -111,7 +111,7 @@ void OpenClBackend::set_checkpoint(std::function<void()> checkpoint) {
   memory_->set_checkpoint(checkpoint);
   programs_->set_checkpoint(checkpoint);
   if (workers_) workers_->set_checkpoint(checkpoint);
-  PartialBackend::set_checkpoint(std::move(checkpoint));
+  Backend::set_checkpoint(std::move(checkpoint));
 }
 
 void OpenClBackend::release(void* handle, std::size_t bytes) noexcept {
@@ -129,7 +129,10 @@ void OpenClBackend::read(const void* handle, std::size_t offset, void* to, std::
 
 void OpenClBackend::run(std::size_t tasks, const std::function<void(std::size_t)>& task) {
   memory_->wait();
-  workers_ ? workers_->run(tasks, task) : PartialBackend::run(tasks, task);
+  if (workers_)
+    workers_->run(tasks, task);
+  else
+    for (std::size_t i = 0; i < tasks; ++i) task(i);
 }
 
 template <class T>

@@ -11,7 +11,7 @@
 #include <string>
 #include <type_traits>
 
-#include "backend/partial_backend.h"
+#include "backend/backend.h"
 #include "opencl/backend.h"
 #include "opencl/check.h"
 #include "opencl/device_memory.h"
@@ -27,7 +27,7 @@ std::vector<cl::Device> opencl_devices();
 /// not 64"; empty when it has everything. Kernels need no doubles.
 std::string lacks(const cl::Device& device, const WorkShape& shape);
 
-class OpenClBackend final : public PartialBackend {
+class OpenClBackend final : public Backend {
  public:
   /// \param workers  runs the tasks of run().
   OpenClBackend(cl::Device device, const WorkShape& shape, bool shared_memory, ProgramCache cache,
