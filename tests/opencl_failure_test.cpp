@@ -3,12 +3,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <functional>
 #include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "backend/backend.h"
 #include "opencl/backend.h"
 #include "phantom/phantom.h"
 #include "support/failing_opencl.h"
@@ -193,12 +195,34 @@ TEST_F(OpenClFailure, DeviceWithoutDoublesServes) {
   EXPECT_EQ(convert_on("opencl").mesh.vertices, wanted().vertices);
 }
 
+/// With less memory in a buffer than one needs, and in all than is planned.
 TEST_F(OpenClFailure, DeviceWithLittleMemoryIsLeftForTheCpu) {
-  failing::pretend(CL_DEVICE_MAX_MEM_ALLOC_SIZE, 10000);
-  const Result result = convert_on("opencl");
-  EXPECT_TRUE(fell_back(result.report));
-  EXPECT_EQ(result.mesh.vertices, wanted().vertices);
-  EXPECT_EQ(result.mesh.triangles, wanted().triangles);
+  for (const cl_device_info property : {CL_DEVICE_MAX_MEM_ALLOC_SIZE, CL_DEVICE_GLOBAL_MEM_SIZE}) {
+    failing::reset();
+    failing::pretend(property, 10000);
+    const Result result = convert_on("opencl");
+    EXPECT_TRUE(fell_back(result.report));
+    EXPECT_EQ(result.mesh.vertices, wanted().vertices);
+    EXPECT_EQ(result.mesh.triangles, wanted().triangles);
+  }
+}
+
+TEST_F(OpenClFailure, TheLimitOfMemoryHoldsForAllBackendsTogether) {
+  ContextOptions options = on_opencl();
+  options.threads = 2;
+  Context context = make_context(options);
+  Parameters parameters;
+  convert(volume().view(), parameters, context);
+  std::size_t peak = 0;
+  for (const auto& backend : context.backends) peak = std::max(peak, backend->bytes_peak());
+  parameters.max_memory = static_cast<std::int64_t>(peak / 2);
+  try {
+    convert(volume().view(), parameters, context);
+    FAIL() << "half of the memory is not enough";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::refused);
+    EXPECT_NE(std::string(error.what()).find("--max-memory"), std::string::npos) << error.what();
+  }
 }
 
 }  // namespace

@@ -18,6 +18,7 @@
 #include <string>
 
 #include "backend/buffer.h"
+#include "backend/byte_account.h"
 #include "types/bricks.h"
 #include "types/lattice.h"
 #include "types/octree.h"
@@ -42,10 +43,12 @@ class Backend : public Memory {
   virtual std::string name() const = 0;    ///< "tbb", "opencl"
   virtual std::string device() const = 0;  ///< what it runs on, for people
   virtual bool offers(Stage stage) const = 0;
+  virtual std::size_t memory() const { return 0; }  ///< of the device, bytes; 0: the host's
   virtual std::size_t bytes_held() const = 0;
   virtual std::size_t bytes_peak() const = 0;
-  virtual Traffic traffic() const { return {}; }       ///< since it was opened
-  virtual void set_byte_limit(std::size_t bytes) = 0;  ///< 0: none; allocate() throws above it
+  virtual Traffic traffic() const { return {}; }  ///< since it was opened
+  /// 0: none. Of all backends that share an account; allocate() throws above it.
+  virtual void set_byte_limit(std::size_t bytes) = 0;
 
   /// Whether released buffers are kept for the next that are asked for (a Converter's, from one
   /// volume to the next); false gives back what is kept. Backends may ignore it.

@@ -148,6 +148,7 @@ struct Report {
   InputFindings input;
   std::int64_t points = 0;
   std::int64_t thin_points = 0;      ///< points from refined subvoxels
+  std::int64_t bytes_planned = 0;    ///< the most that the work was expected to hold
   std::vector<StageReport> stages;
   std::vector<LevelReport> levels;   ///< coarse to fine
   RelabelReport relabel;
