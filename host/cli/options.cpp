@@ -203,6 +203,15 @@ CLI::App* add_devices(CLI::App& app) {
   return devices;
 }
 
+CLI::App* add_tune(CLI::App& app, TuneRequest& request) {
+  CLI::App* tune = app.add_subcommand(
+      "tune", "Try out OpenCL devices; remember their fastest kernel shapes and stages");
+  tune->add_option("--device", request.device, "A number, type or part of a name; all");
+  add_threads(tune, request.threads);
+  tune->footer("Examples:\n  vasamesh tune\n  vasamesh tune --device gpu");
+  return tune;
+}
+
 CLI::App* add_bench(CLI::App& app, BenchRequest& request) {
   CLI::App* bench =
       app.add_subcommand("bench", "Measure conversions, stage by stage, on each backend");
