@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "byte_plan.h"
 #include "scheduler.h"
 #include "stages/lattice.h"
 #include "stages/normals.h"
@@ -77,7 +78,7 @@ std::optional<TriangleMesh> proven_surface(Polygonizer& polygonizer, Scheduler& 
 TriangleMesh proven_base(const Lattice& lattice, Scheduler& scheduler, const SolidMatch& wanted,
                          Report& report) {
   scheduler.begin("surface", Stage::surface);
-  TriangleMesh mesh = extract_base_surface(scheduler.host(), lattice);
+  TriangleMesh mesh = extract_base_surface(scheduler.backend_for(Stage::surface), lattice);
   report.check = prove(scheduler, wanted, mesh);
   report.mesh.base_share = 1;
   ++report.mesh.attempts;
@@ -90,13 +91,15 @@ TriangleMesh proven_base(const Lattice& lattice, Scheduler& scheduler, const Sol
 /// The whole method, in the order of the paper.
 Result run_pipeline(const VolumeView& volume, const Parameters& parameters, Scheduler& scheduler) {
   Backend& host = scheduler.host();
+  Backend& points_on = scheduler.backend_for(Stage::points);
   Result result;
   Report& report = result.report;
   report.geometry = volume.geometry;
   report.parameters = parameters;
 
   scheduler.begin("input", Stage::points);
-  BitVolume object = pack_volume(host, volume);
+  BitVolume object = pack_volume(points_on, volume);
+  points_on.on_host(object.words.view());
   Solid solid = examine_solid(host, object.view(), volume.geometry.size, parameters.connectivity);
   if (parameters.min_component > 1)
     drop_small_components(host, object, volume.geometry.size, parameters.connectivity,
@@ -110,23 +113,29 @@ Result run_pipeline(const VolumeView& volume, const Parameters& parameters, Sche
 
   scheduler.begin("points", Stage::points);
   const Scale scale = make_scale(volume.geometry);
-  PointCloud points = extract_points(host, object, scale);
+  PointCloud points = extract_points(points_on, object, scale);
   report.points = static_cast<std::int64_t>(points.count);
   report.thin_points = static_cast<std::int64_t>(points.thin_count);
 
+  const BytePlan plan = plan_bytes(object.view(), points.count);
+  scheduler.check_memory(plan);
+  report.bytes_planned = static_cast<std::int64_t>(plan.most);
+
   scheduler.begin("normals", Stage::normals);
-  estimate_normals(host, object, scale, parameters, points);
+  estimate_normals(scheduler.backend_for(Stage::normals), object, scale, parameters, points);
 
   scheduler.begin("octree", Stage::octree);
-  Octree octree = build_octree(host, points, scale, parameters);
-  assemble_poisson(host, points, scale, parameters, octree);
+  Backend& octree_on = scheduler.backend_for(Stage::octree);
+  Octree octree = build_octree(octree_on, points, scale, parameters);
+  assemble_poisson(octree_on, points, scale, parameters, octree);
 
   scheduler.begin("poisson", Stage::poisson);
   solve_poisson(scheduler, parameters, octree, report.levels);
-  subtract_isovalue(host, points, scale, octree);
+  subtract_isovalue(scheduler.backend_for(Stage::poisson), points, scale, octree);
 
   scheduler.begin("topology", Stage::lattice);
-  Lattice lattice = build_lattice(host, object, points, scale, octree, parameters);
+  Lattice lattice = build_lattice(scheduler.backend_for(Stage::lattice), object, points, scale,
+                                  octree, parameters);
   std::vector<Closing> closings;
   report.relabel =
       relabel(scheduler, scale, lattice, parameters.close_handles ? &closings : nullptr);
@@ -137,7 +146,7 @@ Result run_pipeline(const VolumeView& volume, const Parameters& parameters, Sche
   std::optional<TriangleMesh> adaptive;
   if (parameters.surface == SurfaceKind::adaptive) {
     scheduler.begin("surface", Stage::surface);
-    TriangleMesh base = extract_base_surface(host, lattice);
+    TriangleMesh base = extract_base_surface(scheduler.backend_for(Stage::surface), lattice);
     Polygonizer polygonizer(scheduler, lattice, object.size, scale, std::move(base), parameters);
     adaptive = proven_surface(polygonizer, scheduler, wanted, report);
   }
@@ -173,9 +182,12 @@ Result Converter::convert(const VolumeView& volume, const Parameters& parameters
 
 Result convert(const VolumeView& volume, const Parameters& parameters, Context& context) {
   validate(parameters);
-  Scheduler scheduler(context);
-  for (const auto& backend : context.backends)
-    backend->set_byte_limit(static_cast<std::size_t>(parameters.max_memory));
+  Scheduler scheduler(context, static_cast<std::size_t>(parameters.max_memory));
+  try {
+    return run_pipeline(volume, parameters, scheduler);
+  } catch (const DeviceFailure& failure) {
+    scheduler.fall_back(failure);
+  }
   return run_pipeline(volume, parameters, scheduler);
 }
 

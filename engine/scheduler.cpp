@@ -6,29 +6,78 @@
 
 namespace vasamesh {
 
-Scheduler::Scheduler(Context& context) : context_(context) {
+namespace {
+
+constexpr std::chrono::milliseconds kRest{10};  // between two words to the caller
+
+}  // namespace
+
+Scheduler::Scheduler(Context& context, std::size_t max_memory)
+    : context_(context), max_memory_(max_memory) {
   if (context.backends.empty())
     throw Error(ErrorCode::usage, "the context has no backend: make it with make_context()");
+  for (const auto& backend : context.backends) {
+    backend->set_byte_limit(max_memory);
+    backend->set_checkpoint([this] { checkpoint(); });
+  }
+}
+
+Scheduler::~Scheduler() {
+  for (const auto& backend : context_.backends) backend->set_checkpoint({});
 }
 
 Backend& Scheduler::backend_for(Stage stage) {
   for (const auto& backend : context_.backends)
-    if (backend->offers(stage)) return *backend;
+    if (backend->offers(stage) && (!host_alone_ || backend.get() == &host())) return *backend;
   throw Error(ErrorCode::internal, "no backend of the context offers a stage");
 }
 
+void Scheduler::check_memory(const BytePlan& plan) {
+  if (max_memory_ && plan.least > max_memory_)
+    throw Error(ErrorCode::refused,
+                "the conversion needs " + std::to_string(plan.least) + " to " +
+                    std::to_string(plan.most) + " bytes, and --max-memory allows " +
+                    std::to_string(max_memory_) + ": allow more, or convert a part of the volume");
+  if (host_alone_) return;
+  for (const auto& backend : context_.backends)
+    if (backend->memory() && backend->memory() < plan.most)
+      throw DeviceFailure(ErrorCode::refused,
+                          backend->device() + " has " + std::to_string(backend->memory()) +
+                              " bytes, and the conversion may need " + std::to_string(plan.most));
+}
+
+void Scheduler::fall_back(const DeviceFailure& failure) {
+  host_alone_ = true;
+  running_ = nullptr;
+  end();
+  if (!reports_.empty()) reports_.back().failure = failure.what();
+}
+
+void Scheduler::checkpoint() {
+  if (Clock::now() - told_ >= kRest) progress(std::string(phase_), fraction_);
+}
+
 void Scheduler::progress(std::string_view phase, double fraction) {
+  phase_ = phase;
+  fraction_ = fraction;
+  told_ = Clock::now();
   const bool asked = context_.cancel && context_.cancel->load(std::memory_order_relaxed);
   if (asked || (context_.progress && !context_.progress(phase, fraction)))
-    throw Error(ErrorCode::cancelled, "cancelled during " + std::string(phase));
+    throw Error(ErrorCode::cancelled, "cancelled during " + phase_);
 }
 
 void Scheduler::begin(const char* name, Stage stage) {
   end();
-  const Backend& backend = backend_for(stage);
-  reports_.push_back({name, backend.name(), backend.device(), 0, 0});
+  Backend& backend = backend_for(stage);
+  if (running_ && running_ != &backend) running_->settle();
+  running_ = &backend;
+  StageReport& report = reports_.emplace_back();
+  report.name = name;
+  report.backend = backend.name();
+  report.device = backend.device();
+  traffic_ = backend.traffic();
   progress(name, 0);
-  started_ = std::chrono::steady_clock::now();
+  started_ = Clock::now();
   open_ = true;
 }
 
@@ -36,8 +85,14 @@ void Scheduler::end() {
   if (!open_) return;
   open_ = false;
   StageReport& report = reports_.back();
-  report.seconds =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - started_).count();
+  if (running_) {
+    running_->finish();
+    const Traffic traffic = running_->traffic();
+    report.launches = traffic.launches - traffic_.launches;
+    report.copies = traffic.copies - traffic_.copies;
+    report.bytes_copied = traffic.bytes - traffic_.bytes;
+  }
+  report.seconds = std::chrono::duration<double>(Clock::now() - started_).count();
   for (const auto& backend : context_.backends)
     report.bytes_held += static_cast<std::int64_t>(backend->bytes_held());
   progress(report.name, 1);

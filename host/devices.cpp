@@ -3,18 +3,19 @@
 #include <tbb/version.h>
 #include <unistd.h>
 
-#include <algorithm>
-#include <cctype>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <thread>
 
 #include "backend/backend.h"
+#include "device_choice.h"
 #include "tbb/backend.h"
 #include "vasamesh/errors.h"
 #include "vasamesh/host.h"
 #ifdef VASAMESH_WITH_OPENCL
 #include "opencl/backend.h"
+#include "tune.h"
 #endif
 
 namespace vasamesh {
@@ -45,45 +46,6 @@ DeviceInfo describe_cpu() {
   return info;
 }
 
-std::string lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
-
-std::string describe(const std::vector<DeviceInfo>& devices) {
-  std::string text;
-  for (const DeviceInfo& device : devices)
-    text += (text.empty() ? "" : ", ") + std::to_string(device.number) + " (" + device.backend +
-            ", " + device.type + ", " + device.name + ")";
-  return text.empty() ? "none" : text;
-}
-
-/// The devices whose number or type is `wanted`, or else whose name holds it, case ignored. Of one
-/// type it is the first.
-std::vector<DeviceInfo> matching(const std::vector<DeviceInfo>& devices,
-                                 const std::string& wanted) {
-  std::vector<DeviceInfo> found;
-  for (const DeviceInfo& device : devices)
-    if (std::to_string(device.number) == wanted || device.type == wanted) return {device};
-  std::copy_if(devices.begin(), devices.end(), std::back_inserter(found),
-               [&](const DeviceInfo& device) {
-                 return lower(device.name).find(wanted) != std::string::npos;
-               });
-  return found;
-}
-
-/// The one device that is asked for. \throws Error no_device, naming the choices.
-DeviceInfo choose(const std::vector<DeviceInfo>& devices, const std::string& wanted,
-                  const std::string& asked_by) {
-  const std::vector<DeviceInfo> found = matching(devices, lower(wanted));
-  if (found.size() == 1) return found[0];
-  throw Error(ErrorCode::no_device, asked_by + ": \"" + wanted + "\" fits " +
-                                        (found.empty() ? "no device" : "several devices") +
-                                        ": give the number or more of the name of one of " +
-                                        describe(found.empty() ? devices : found));
-}
-
 /// The devices that the named backend may run on; "auto" may use all. OpenCL's runtimes, which take
 /// a while to load, are asked only when one of theirs is meant.
 std::vector<DeviceInfo> devices_of(const std::string& backend) {
@@ -99,34 +61,81 @@ std::vector<DeviceInfo> devices_of(const std::string& backend) {
   return devices;
 }
 
-DeviceInfo choose(const ContextOptions& options) {
+DeviceInfo device_for(const ContextOptions& options) {
   const char* variable = std::getenv(kDeviceVariable);
   if (!options.device.empty())
-    return choose(devices_of(options.backend), options.device, "--device");
-  if (variable && *variable) return choose(devices_of(options.backend), variable, kDeviceVariable);
+    return choose_device(devices_of(options.backend), options.device, "--device");
+  if (variable && *variable)
+    return choose_device(devices_of(options.backend), variable, kDeviceVariable);
   return options.backend == "opencl" ? devices_of("opencl")[0] : describe_cpu();
 }
 
 #ifdef VASAMESH_WITH_OPENCL
-std::shared_ptr<Backend> open_opencl(int device) {
+std::shared_ptr<Backend> open_opencl(int device, std::uint32_t stages,
+                                     std::shared_ptr<Backend> workers,
+                                     std::shared_ptr<ByteAccount> total) {
   OpenClOptions options;
   options.device = device;
+  options.stages = stages;
+  options.workers = std::move(workers);
+  options.total = std::move(total);
   return make_opencl_backend(options);
+}
+
+/// The stages in which a device beats oneTBB; tried once and remembered. None where it fails.
+std::uint32_t stages_worth(const DeviceInfo& device, int threads) {
+  try {
+    if (!load_tuning(device.number - 1, {})) tune_device(device, threads, false, {});
+    const std::optional<Tuning> tuning = load_tuning(device.number - 1, {});
+    return tuning ? tuning->stages : 0;
+  } catch (const Error&) {
+    return 0;
+  }
 }
 #else
 std::vector<DeviceInfo> list_opencl_devices() { return {}; }
 
-std::shared_ptr<Backend> open_opencl(int) {
+std::shared_ptr<Backend> open_opencl(int, std::uint32_t, std::shared_ptr<Backend>,
+                                     std::shared_ptr<ByteAccount>) {
   throw Error(ErrorCode::no_device, "this build has no OpenCL backend: use --backend tbb");
 }
+
+std::uint32_t stages_worth(const DeviceInfo&, int) { return 0; }
 #endif
+
+bool device_named(const ContextOptions& options) {
+  const char* variable = std::getenv(kDeviceVariable);
+  return !options.device.empty() || (variable && *variable);
+}
+
+/// Whether the system has any device beside the processor: to ask OpenCL takes a while.
+bool has_device_files() {
+  std::error_code ignored;
+  for (const char* path : {"/dev/dri", "/dev/nvidiactl", "/dev/kfd"})
+    if (std::filesystem::exists(path, ignored)) return true;
+  return false;
+}
+
+/// What `auto` adds to oneTBB: the first device beside the processor that beats it somewhere, for
+/// the stages in which it does. (A processor's OpenCL shares what oneTBB already uses.)
+void add_worthy(Context& context, int threads, const std::shared_ptr<Backend>& host,
+                const std::shared_ptr<ByteAccount>& total) {
+  if (!has_device_files()) return;
+  for (const DeviceInfo& device : list_devices()) {
+    if (device.type == "cpu") continue;
+    const std::uint32_t stages = stages_worth(device, threads);
+    if (stages == 0) continue;
+    context.backends.push_back(open_opencl(device.number - 1, stages, host, total));
+    return;
+  }
+}
 
 }  // namespace
 
 std::vector<DeviceInfo> list_devices() {
   std::vector<DeviceInfo> devices{describe_cpu()};
   for (DeviceInfo& device : list_opencl_devices()) {
-    device.number = static_cast<int>(devices.size());
+    ++device.number;
     devices.push_back(std::move(device));
   }
   return devices;
@@ -139,10 +148,15 @@ Context make_context(const ContextOptions& options) {
   if (options.threads < 0)
     throw Error(ErrorCode::usage, "--threads " + std::to_string(options.threads) +
                                       ": must be 0 (all of the machine's) or more");
-  const DeviceInfo device = choose(options);
+  const DeviceInfo device = device_for(options);
   Context context;
-  if (device.backend == "opencl") context.backends.push_back(open_opencl(device.number - 1));
-  context.backends.push_back(make_tbb_backend(options.threads, options.task_arena));
+  const auto total = std::make_shared<ByteAccount>();
+  const auto host = make_tbb_backend(options.threads, options.task_arena, total);
+  if (device.backend == "opencl")
+    context.backends.push_back(open_opencl(device.number - 1, ~std::uint32_t{0}, host, total));
+  else if (options.backend == "auto" && !device_named(options))
+    add_worthy(context, options.threads, host, total);
+  context.backends.push_back(host);
   return context;
 }
 

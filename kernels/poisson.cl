@@ -23,7 +23,7 @@ static float8 poisson_where_unknown(global const uchar *unknown, size_t row, flo
   return select((float8)(0.0f), value, convert_int8(vload8(row, unknown)) != 0);
 }
 
-kernel __attribute__((reqd_work_group_size(BRICK_ITEMS, 1, 1))) void poisson_apply(
+kernel __attribute__((BRICK_GROUP)) void poisson_apply(
     global const int *neighbours, ulong neighbours_first, float4 weights,
     global const uchar *unknown, ulong unknown_first, global const float *p, ulong p_first,
     global float *q, ulong q_first, global float *partial, ulong partial_first) {
@@ -43,7 +43,7 @@ kernel __attribute__((reqd_work_group_size(BRICK_ITEMS, 1, 1))) void poisson_app
   if (get_local_id(0) == 0) partial[partial_first + brick] = total;
 }
 
-kernel __attribute__((reqd_work_group_size(BRICK_ITEMS, 1, 1))) void poisson_residual(
+kernel __attribute__((BRICK_GROUP)) void poisson_residual(
     global const int *neighbours, ulong neighbours_first, float4 weights,
     global const uchar *unknown, ulong unknown_first, global const float *b, ulong b_first,
     global const float *x, ulong x_first, global float *r, ulong r_first, global float *partial,
@@ -66,7 +66,7 @@ kernel __attribute__((reqd_work_group_size(BRICK_ITEMS, 1, 1))) void poisson_res
   if (get_local_id(0) == 0) partial[partial_first + brick] = total;
 }
 
-kernel __attribute__((reqd_work_group_size(BRICK_ITEMS, 1, 1))) void poisson_update_solution(
+kernel __attribute__((BRICK_GROUP)) void poisson_update_solution(
     float alpha, global const float *p, ulong p_first, global const float *q, ulong q_first,
     global float *x, ulong x_first, global float *r, ulong r_first, global float *partial,
     ulong partial_first) {
@@ -87,7 +87,7 @@ kernel __attribute__((reqd_work_group_size(BRICK_ITEMS, 1, 1))) void poisson_upd
   if (get_local_id(0) == 0) partial[partial_first + brick] = total;
 }
 
-kernel __attribute__((reqd_work_group_size(BRICK_ITEMS, 1, 1))) void poisson_update_direction(
+kernel __attribute__((BRICK_GROUP)) void poisson_update_direction(
     float beta, global const float *r, ulong r_first, global float *p, ulong p_first) {
   const size_t brick = get_group_id(0);
   r += r_first + brick * BRICK_CELLS;

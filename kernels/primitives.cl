@@ -10,7 +10,7 @@ kernel void primitives_probe(global const float *factors, global float *values) 
 
 /// First fold of the pairwise sum: sums[i] = values[i] + values[i + half] for i < half, values past
 /// `count` being zero. A work-item a sum.
-kernel __attribute__((reqd_work_group_size(FOLD_ITEMS, 1, 1))) void primitives_reduce_first(
+kernel __attribute__((ELEMENT_GROUP)) void primitives_reduce_first(
     global const float *values, ulong values_first, ulong count, ulong half_count,
     global float *sums, ulong sums_first) {
   const size_t i = get_global_id(0);
@@ -21,7 +21,7 @@ kernel __attribute__((reqd_work_group_size(FOLD_ITEMS, 1, 1))) void primitives_r
 }
 
 /// A later fold, in place: sums[i] += sums[i + half] for i < half.
-kernel __attribute__((reqd_work_group_size(FOLD_ITEMS, 1, 1))) void primitives_reduce_fold(
+kernel __attribute__((ELEMENT_GROUP)) void primitives_reduce_fold(
     global float *sums, ulong sums_first, ulong half_count) {
   const size_t i = get_global_id(0);
   if (i >= half_count) return;

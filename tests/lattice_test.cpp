@@ -19,10 +19,9 @@
 #include "stages/points.h"
 #include "stages/relabel.h"
 #include "stages/topology_count.h"
-#include "support/backends.h"
+#include "support/backend_test.h"
 #include "support/brick_sets.h"
 #include "support/dense_volume.h"
-#include "tbb/backend.h"
 
 namespace vasamesh {
 
@@ -78,36 +77,32 @@ void visit_nodes(const BrickView& bricks, const Visit& visit) {
             8 * bricks.coords[b].y + c / 8 % 8, 8 * bricks.coords[b].z + c / 64);
 }
 
-class CellLattice : public ::testing::Test {
+class CellLattice : public BackendTest {
  protected:
-  CellLattice() { context_.backends = {backend_}; }
-
   /// All bricks of nodes of a packed volume.
   Bricks all_bricks(const BitVolume& bits) {
     std::vector<BrickCoord> coords;
     for (int z = 0; z < bits.size[2] / 4; ++z)
       for (int y = 0; y < bits.size[1] / 4; ++y)
         for (int x = 0; x < bits.size[0] / 4; ++x) coords.push_back({x, y, z});
-    return make_bricks(*backend_, coords);
+    return make_bricks(backend(), coords);
   }
-
-  std::shared_ptr<Backend> backend_ = make_tbb_backend(2, nullptr);
-  Context context_;
 };
 
-TEST_F(CellLattice, LabelsAsByTheVoxelsTouched) {
+TEST_P(CellLattice, LabelsAsByTheVoxelsTouched) {
   unsigned seed = 0;
   for (const double density : {0.05, 0.4, 0.9})
     for (const int connectivity : {26, 18, 6}) {
       const DenseVolume volume = test::random_volume({37, 6, 5}, density, ++seed);
       const DenseVolume whole = padded(volume);
       const DenseVolume solid = test::solid_labels(whole, connectivity);
-      const BitVolume bits = test::pack_plainly(*backend_, volume);
+      const BitVolume bits = test::pack_plainly(backend(), volume);
       const Bricks bricks = all_bricks(bits);
-      Buffer<std::uint8_t> state(*backend_, bricks.count * kBrickCells);
+      Buffer<std::uint8_t> state(backend(), bricks.count * kBrickCells);
       const std::array<int, 3> radius = {1 + static_cast<int>(seed % 3), 2,
                                          3 - static_cast<int>(seed % 3)};
-      backend_->lattice_label(bits.view(), connectivity, bricks.view(), radius, state.view());
+      backend().lattice_label(bits.view(), connectivity, bricks.view(), radius, state.view());
+      backend().settle();
       visit_nodes(bricks.view(), [&](std::size_t node, int x, int y, int z) {
         if (HasFatalFailure()) return;
         const int want = (solid.object(x, y, z) ? kLabel | kSolid : 0) |
@@ -119,21 +114,22 @@ TEST_F(CellLattice, LabelsAsByTheVoxelsTouched) {
     }
 }
 
-TEST_F(CellLattice, BricksThatHoldFreeNodesOrNeighboursOfThem) {
+TEST_P(CellLattice, BricksThatHoldFreeNodesOrNeighboursOfThem) {
   const DenseVolume volume = test::random_volume({41, 17, 9}, 0.004, 8);
   const DenseVolume whole = padded(volume);
-  const BitVolume bits = test::pack_plainly(*backend_, volume);
+  const BitVolume bits = test::pack_plainly(backend(), volume);
   const Bricks bricks = all_bricks(bits);
   for (const std::array<int, 3>& radius : {std::array{1, 2, 3}, {3, 1, 1}}) {
-    Buffer<std::uint8_t> used(*backend_, bricks.count);
-    backend_->lattice_mark(bits.view(), bricks.view(), radius, used.view());
+    Buffer<std::uint8_t> used(backend(), bricks.count);
+    backend().lattice_mark(bits.view(), bricks.view(), radius, used.view());
+    backend().settle();
     std::vector<std::uint8_t> want(bricks.count, 0);
     const std::array<int, 3> reach = {radius[0] + 1, radius[1] + 1, radius[2] + 1};
     visit_nodes(bricks.view(), [&](std::size_t node, int x, int y, int z) {
       std::uint8_t& found = want[node / kBrickCells];
       found = found || reference::near_face_centre(whole, reach, x, y, z);
     });
-    EXPECT_EQ(to_host(*backend_, used.view()), want);
+    EXPECT_EQ(to_host(backend(), used.view()), want);
     EXPECT_GT(std::count(want.begin(), want.end(), 0), 5);
   }
 }
@@ -158,16 +154,17 @@ struct RandomField {
   Octree octree;
 };
 
-TEST_F(CellLattice, ValuesAreTheSplines) {
+TEST_P(CellLattice, ValuesAreTheSplines) {
   const DenseVolume volume = test::random_volume({23, 9, 12}, 0.01, 3).box({2, 2, 2}, {8, 7, 9});
-  const RandomField field(*backend_, volume, {1, 1, 1}, 5, 0);
+  const RandomField field(backend(), volume, {1, 1, 1}, 5, 0);
   ASSERT_TRUE(field.octree.has_refined());
   const Lattice lattice =
-      build_lattice(*backend_, field.object, field.points, field.scale, field.octree, {});
+      build_lattice(backend(), field.object, field.points, field.scale, field.octree, {});
+  backend().settle();
   const auto spline = [&](int exponent) {
     const OctreeLevel& level = field.octree.at_exponent(exponent);
     return reference::SplineField(exponent, level.coords,
-                                  to_host<const float>(*backend_, level.solution.view()));
+                                  to_host<const float>(backend(), level.solution.view()));
   };
   const reference::SplineField regular = spline(0), refined = spline(-1);
   const std::vector<BrickCoord>& refined_bricks = field.octree.at_exponent(-1).coords;
@@ -197,20 +194,32 @@ TEST_F(CellLattice, ValuesAreTheSplines) {
 
 /// Random solids of all densities and connectivities, relabelled towards fields that have nothing
 /// to do with them.
-class Relabelling : public CellLattice, public ::testing::WithParamInterface<Connectivity> {
+class Relabelling : public CellLattice {
  protected:
   void check(const DenseVolume& volume, const Scale& scale, std::uint32_t seed, float bias) {
-    const Connectivity connectivity = GetParam();
+    for (const Connectivity connectivity :
+         {Connectivity::vertex, Connectivity::edge, Connectivity::face}) {
+      SCOPED_TRACE(static_cast<int>(connectivity));
+      check(volume, scale, seed, bias, connectivity);
+    }
+  }
+
+  void check(const DenseVolume& volume, const Scale& scale, std::uint32_t seed, float bias,
+             Connectivity connectivity) {
     Parameters parameters;
     parameters.connectivity = connectivity;
-    RandomField field(*backend_, volume, scale, seed, bias);
+    RandomField field(backend(), volume, scale, seed, bias);
+    backend().settle();
     const Solid solid =
-        examine_solid(*backend_, field.object.view(), volume.size64(), connectivity);
+        examine_solid(backend(), field.object.view(), volume.size64(), connectivity);
     Lattice lattice =
-        build_lattice(*backend_, field.object, field.points, scale, field.octree, parameters);
-    const auto before = to_host<const std::uint8_t>(*backend_, lattice.state.view());
-    Scheduler scheduler(context_);
+        build_lattice(backend(), field.object, field.points, scale, field.octree, parameters);
+    const auto before = to_host<const std::uint8_t>(backend(), lattice.state.view());
+    Context context;
+    context.backends = {shared_backend()};
+    Scheduler scheduler(context);
     const RelabelReport report = relabel(scheduler, scale, lattice, nullptr);
+    backend().settle();
     flips_ += report.flips;
     expect_consistent(lattice, before);
     const DenseVolume nodes = reference::relabelled(
@@ -225,8 +234,8 @@ class Relabelling : public CellLattice, public ::testing::WithParamInterface<Con
 
   /// Values have their labels' signs; only free nodes changed, and nothing of them but the label.
   void expect_consistent(const Lattice& lattice, const std::vector<std::uint8_t>& before) {
-    const auto state = to_host<const std::uint8_t>(*backend_, lattice.state.view());
-    const auto values = to_host<const float>(*backend_, lattice.values.view());
+    const auto state = to_host<const std::uint8_t>(backend(), lattice.state.view());
+    const auto values = to_host<const float>(backend(), lattice.values.view());
     for (std::size_t i = 0; i < state.size(); ++i) {
       const int changed = state[i] ^ before[i];
       ASSERT_TRUE(changed == 0 || (changed == kLabel && (before[i] & kFree))) << i;
@@ -240,13 +249,16 @@ class Relabelling : public CellLattice, public ::testing::WithParamInterface<Con
 
 TEST_P(Relabelling, KeepsTheSolidsTopology) {
   std::uint32_t seed = 100;
+  // Other backends are compared with oneTBB byte by byte besides (opencl_stages_test).
+  const std::vector<float> biases =
+      backend().name() == "tbb" ? std::vector{0.0f, -2.0f, 2.0f} : std::vector{-2.0f};
   for (const double density : {0.02, 0.1, 0.25, 0.4, 0.6, 0.8, 0.97})
-    for (const float bias : {0.0f, -2.0f, 2.0f}) {
+    for (const float bias : biases) {
       SCOPED_TRACE(::testing::Message() << "density " << density << ", bias " << bias);
       check(test::random_volume({11, 9, 10}, density, seed), {1, 1, 1}, seed, bias);
       ++seed;
     }
-  EXPECT_GT(flips_, 10000);
+  EXPECT_GT(flips_, 3000);
 }
 
 TEST_P(Relabelling, KeepsTheSolidsTopologyWhereSpacingsDiffer) {
@@ -260,12 +272,7 @@ TEST_P(Relabelling, KeepsTheSolidsTopologyWhereSpacingsDiffer) {
   EXPECT_GT(flips_, 1000);
 }
 
-INSTANTIATE_TEST_SUITE_P(All, Relabelling,
-                         ::testing::Values(Connectivity::vertex, Connectivity::edge,
-                                           Connectivity::face),
-                         [](const auto& param_info) {
-                           return "of_" + std::to_string(static_cast<int>(param_info.param));
-                         });
+INSTANTIATE_TEST_SUITE_P(Backends, Relabelling, ::testing::ValuesIn(backend_names()), test_name);
 
 /// A lattice of random labels and values for single passes.
 struct RandomLattice {
@@ -285,24 +292,27 @@ struct RandomLattice {
   Lattice lattice;
 };
 
-TEST_F(CellLattice, ClampGivesEachWrongValueItsLabelsSign) {
-  RandomLattice random(*backend_, 12);
+TEST_P(CellLattice, ClampGivesEachWrongValueItsLabelsSign) {
+  RandomLattice random(backend(), 12);
+  backend().settle();
   Lattice& lattice = random.lattice;
-  const auto before = to_host(*backend_, lattice.values.view());
+  const auto before = to_host(backend(), lattice.values.view());
   std::vector<bool> wrong;
   for (std::size_t i = 0; i < before.size(); ++i) wrong.push_back(random.wrong(i));
-  backend_->lattice_clamp(lattice.bricks.view(), 0.125f, lattice.state.view(),
+  backend().lattice_clamp(lattice.bricks.view(), 0.125f, lattice.state.view(),
                           lattice.values.view());
+  backend().settle();
   for (std::size_t i = 0; i < before.size(); ++i) {
     const bool inside = lattice.state.view()[i] & kLabel;
     ASSERT_EQ(lattice.values.view()[i], wrong[i] ? (inside ? 0.125f : -0.125f) : before[i]) << i;
   }
 }
 
-TEST_F(CellLattice, BlendChangesNothingBeyondItsRadius) {
+TEST_P(CellLattice, BlendChangesNothingBeyondItsRadius) {
   for (const float radius : {3.0f, 5.0f, 8.0f}) {
     SCOPED_TRACE(radius);
-    RandomLattice random(*backend_, 20 + static_cast<std::uint32_t>(radius));
+    RandomLattice random(backend(), 20 + static_cast<std::uint32_t>(radius));
+    backend().settle();
     Lattice& lattice = random.lattice;
     std::vector<std::uint8_t> marked(lattice.values.size(), 0);
     std::vector<std::array<int, 3>> places;
@@ -312,10 +322,11 @@ TEST_F(CellLattice, BlendChangesNothingBeyondItsRadius) {
       places.push_back({x, y, z});
     });
     ASSERT_GE(places.size(), 4u);
-    const auto marks = to_backend(*backend_, marked);
-    const auto before = to_host(*backend_, lattice.values.view());
-    backend_->lattice_blend(lattice.bricks.view(), marks.view(), radius, 1, true,
+    const auto marks = to_backend(backend(), marked);
+    const auto before = to_host(backend(), lattice.values.view());
+    backend().lattice_blend(lattice.bricks.view(), marks.view(), radius, 1, true,
                             lattice.state.view(), lattice.values.view());
+    backend().settle();
     visit_nodes(lattice.bricks.view(), [&](std::size_t node, int x, int y, int z) {
       double nearest = 1e9;
       for (const auto& p : places)
@@ -334,6 +345,8 @@ TEST_F(CellLattice, BlendChangesNothingBeyondItsRadius) {
     });
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(Backends, CellLattice, ::testing::ValuesIn(backend_names()), test_name);
 
 }  // namespace
 }  // namespace vasamesh

@@ -404,7 +404,7 @@ TEST_P(Normals, TheSheetsOfAPlateStayApart) {
 }
 
 // The backends that offer the stage.
-INSTANTIATE_TEST_SUITE_P(Backends, Normals, ::testing::Values("tbb"), test_name);
+INSTANTIATE_TEST_SUITE_P(Backends, Normals, ::testing::ValuesIn(backend_names()), test_name);
 
 TEST(NormalThreads, SameBytesWithAnyNumberOfThreads) {
   const DenseVolume volume = test::random_volume({40, 31, 27}, 0.7, 5);

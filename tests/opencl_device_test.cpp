@@ -6,24 +6,15 @@
 #include <string>
 
 #include "backend/backend.h"
+#include "device_choice.h"
 #include "opencl/backend.h"
+#include "support/environment.h"
+#include "support/scratch.h"
 #include "vasamesh/errors.h"
 #include "vasamesh/host.h"
 
 namespace vasamesh {
 namespace {
-
-/// Sets an environment variable for one test.
-class Variable {
- public:
-  Variable(const char* name, const std::string& value) : name_(name) {
-    setenv(name, value.c_str(), 1);
-  }
-  ~Variable() { unsetenv(name_); }
-
- private:
-  const char* name_;
-};
 
 ContextOptions asked(const std::string& backend, const std::string& device = "") {
   ContextOptions options;
@@ -106,6 +97,50 @@ TEST_F(Devices, NumberTypeAndNameChoose) {
   EXPECT_EQ(first_backend(asked("tbb", list_devices()[0].name)), "tbb");
 }
 
+/// Two of one name, one whose name holds the other's number, a second CPU.
+std::vector<DeviceInfo> made_up_devices() {
+  const auto device = [](int number, const char* type, const char* name) {
+    DeviceInfo info;
+    info.number = number;
+    info.backend = number == 0 ? "tbb" : "opencl";
+    info.type = type;
+    info.name = name;
+    return info;
+  };
+  return {device(0, "cpu", "Xeon 3"), device(1, "gpu", "Tesla T4"), device(3, "gpu", "Tesla T4"),
+          device(4, "cpu", "Xeon"), device(5, "accelerator", "Phi of cpu 9")};
+}
+
+TEST(DeviceChoice, NumberThenTypeThenName) {
+  const auto chosen = [](const char* wanted) {
+    return choose_device(made_up_devices(), wanted, "--device").number;
+  };
+  EXPECT_EQ(chosen("3"), 3) << "a number, though a name holds it";
+  EXPECT_EQ(chosen("cpu"), 0) << "the first of the type, though a name holds it";
+  EXPECT_EQ(chosen("GPU"), 1);
+  EXPECT_EQ(chosen("accelerator"), 5);
+  EXPECT_EQ(chosen("PHI"), 5);
+  EXPECT_EQ(chosen("xeon 3"), 0);
+}
+
+TEST(DeviceChoice, SeveralOrNoneAreRefused) {
+  const auto message = [](const char* wanted) -> std::string {
+    try {
+      choose_device(made_up_devices(), wanted, "VASAMESH_DEVICE");
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::no_device);
+      return error.what();
+    }
+    return "";
+  };
+  const std::string several = message("tesla");
+  EXPECT_NE(several.find("VASAMESH_DEVICE: \"tesla\" fits several"), std::string::npos) << several;
+  EXPECT_NE(several.find("1 (opencl, gpu, Tesla T4), 3 (opencl"), std::string::npos) << several;
+  EXPECT_EQ(several.find("Phi"), std::string::npos) << several;
+  EXPECT_NE(message("2").find("fits no device"), std::string::npos) << "a gap in the numbers";
+  EXPECT_NE(message("-1").find("fits no device"), std::string::npos);
+}
+
 TEST_F(Devices, VariableIsTheDefault) {
   {
     const Variable variable("VASAMESH_DEVICE", "nothing like it");
@@ -149,16 +184,11 @@ TEST_F(OpenClDevices, IndexOutOfRange) {
   }
 }
 
-TEST_F(OpenClDevices, PassWithoutKernelIsOurFault) {
+TEST_F(OpenClDevices, MeshAndProofStayOnTheHost) {
   const auto backend = make_opencl_backend({});
-  EXPECT_FALSE(backend->offers(Stage::points));
-  try {
-    backend->points_mark_bricks({}, {});
-    FAIL() << "there is no such kernel";
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ErrorCode::internal);
-    EXPECT_NE(std::string(error.what()).find("points_mark_bricks"), std::string::npos);
-  }
+  EXPECT_TRUE(backend->offers(Stage::surface));
+  EXPECT_FALSE(backend->offers(Stage::mesh));
+  EXPECT_FALSE(backend->offers(Stage::verify));
 }
 
 TEST_F(OpenClDevices, BufferLargerThanTheDeviceGivesIsRefused) {
@@ -171,6 +201,39 @@ TEST_F(OpenClDevices, BufferLargerThanTheDeviceGivesIsRefused) {
     EXPECT_NE(std::string(error.what()).find(backend->device()), std::string::npos);
   }
   EXPECT_EQ(backend->bytes_held(), 0u);
+}
+
+TEST_F(OpenClDevices, TuningIsRememberedAndUsed) {
+  const Scratch folder;
+  EXPECT_FALSE(load_tuning(0, folder / "cache"));
+  Tuning tuning;
+  tuning.shape = {32, 128, 8, 256, 128};
+  tuning.stages = bit_of(Stage::poisson) | bit_of(Stage::lattice);
+  tuning.seconds = 0.125;
+  tuning.tbb_seconds = 0.5;
+  store_tuning(0, folder / "cache", tuning);
+  const std::optional<Tuning> loaded = load_tuning(0, folder / "cache");
+  ASSERT_TRUE(loaded);
+  EXPECT_EQ(loaded->shape, tuning.shape);
+  EXPECT_EQ(loaded->stages, tuning.stages);
+  EXPECT_EQ(loaded->seconds, 0.125);
+  EXPECT_EQ(loaded->tbb_seconds, 0.5);
+}
+
+TEST_F(OpenClDevices, StagesCanBeLeftToOthers) {
+  OpenClOptions options;
+  options.stages = bit_of(Stage::poisson);
+  const auto backend = make_opencl_backend(options);
+  EXPECT_TRUE(backend->offers(Stage::poisson));
+  EXPECT_FALSE(backend->offers(Stage::points));
+  EXPECT_FALSE(backend->offers(Stage::mesh));
+}
+
+TEST(Shapes, AreAllDifferent) {
+  const std::vector<WorkShape> shapes = shapes_to_try();
+  for (std::size_t i = 0; i < shapes.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j) EXPECT_FALSE(shapes[i] == shapes[j]);
+  EXPECT_GE(shapes.size(), 8u);
 }
 
 }  // namespace

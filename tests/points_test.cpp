@@ -290,7 +290,7 @@ TEST_P(Points, NoForegroundNoPoints) {
 }
 
 // The backends that offer the stage.
-INSTANTIATE_TEST_SUITE_P(Backends, Points, ::testing::Values("tbb"), test_name);
+INSTANTIATE_TEST_SUITE_P(Backends, Points, ::testing::ValuesIn(backend_names()), test_name);
 
 TEST(PointThreads, SameBytesWithAnyNumberOfThreads) {
   const DenseVolume volume = test::random_volume({90, 61, 77}, 0.6, 11);

@@ -154,7 +154,6 @@ class Transfer : public BackendTest {
     coarse_bricks_ = make_bricks(backend(), coarse_);
     fine_bricks_ = make_bricks(backend(), fine_);
   }
-  bool offered() { return backend().offers(Stage::octree); }
 
   std::vector<float> prolong(const std::vector<float>& values) {
     const auto parents = windows(
@@ -180,7 +179,6 @@ class Transfer : public BackendTest {
 };
 
 TEST_P(Transfer, RestrictionIsTheTransposeOfProlongation) {
-  if (!offered()) GTEST_SKIP() << "runs on the host's backend";
   const auto coarse = random_floats(coarse_.size() * kBrickCells, 1);
   const auto fine = random_floats(fine_.size() * kBrickCells, 2);
   const double one = dot(fine, prolong(coarse)), other = dot(restrict_from(fine), coarse);
@@ -189,7 +187,6 @@ TEST_P(Transfer, RestrictionIsTheTransposeOfProlongation) {
 }
 
 TEST_P(Transfer, ProlongationKeepsTheSpline) {
-  if (!offered()) GTEST_SKIP() << "runs on the host's backend";
   const auto values = random_floats(coarse_.size() * kBrickCells, 7);
   const SplineField coarse(0, coarse_, values), fine(-1, fine_, prolong(values));
   std::mt19937 random(9);

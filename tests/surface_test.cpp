@@ -13,11 +13,10 @@
 #include "reference/surface_reference.h"
 #include "reference/topology.h"
 #include "stages/bricks.h"
-#include "support/backends.h"
+#include "support/backend_test.h"
 #include "support/dense_volume.h"
 #include "support/invariants.h"
 #include "support/shapes.h"
-#include "tbb/backend.h"
 #include "types/tetrahedra.h"
 #include "types/volume.h"
 
@@ -26,7 +25,7 @@ namespace {
 
 using test::DenseVolume;
 
-class BaseSurface : public ::testing::Test {
+class BaseSurface : public BackendTest {
  protected:
   /// The lattice of labels over whole bricks, with values of random size and the labels' signs;
   /// `tiny` makes most crossings lie at an edge's end.
@@ -47,13 +46,11 @@ class BaseSurface : public ::testing::Test {
         values.push_back(inside ? size : -size);
       }
     Lattice lattice;
-    lattice.bricks = make_bricks(*backend_, coords);
-    lattice.state = to_backend(*backend_, state);
-    lattice.values = to_backend(*backend_, values);
+    lattice.bricks = make_bricks(backend(), coords);
+    lattice.state = to_backend(backend(), state);
+    lattice.values = to_backend(backend(), values);
     return lattice;
   }
-
-  std::shared_ptr<Backend> backend_ = make_tbb_backend(2, nullptr);
 };
 
 /// Labels that leave the outermost nodes outside.
@@ -105,14 +102,14 @@ std::vector<reference::EdgeTriangle> edge_triangles(const TriangleMesh& mesh) {
   return triangles;
 }
 
-TEST_F(BaseSurface, EveryCaseOfTheTable) {
+TEST_P(BaseSurface, EveryCaseOfTheTable) {
   const DenseVolume nodes = all_cubes();
-  const TriangleMesh mesh = extract_base_surface(*backend_, make_lattice(nodes, 1));
+  const TriangleMesh mesh = extract_base_surface(backend(), make_lattice(nodes, 1));
   EXPECT_EQ(edge_triangles(mesh), reference::marching_tetrahedra(nodes));
   test::expect_good_surface(mesh, test::count_nodes(nodes));
 }
 
-TEST_F(BaseSurface, CasesAreMirroredByTheirComplement) {
+TEST(CubeCases, AreMirroredByTheirComplement) {
   for (std::size_t labels = 0; labels < 256; ++labels) {
     EXPECT_EQ(kCubeCases[labels].count, kCubeCases[255 - labels].count) << labels;
     EXPECT_LE(kCubeCases[labels].count, 12);
@@ -122,21 +119,22 @@ TEST_F(BaseSurface, CasesAreMirroredByTheirComplement) {
   EXPECT_EQ(kCubeCases[2].count, 2);
 }
 
-TEST_F(BaseSurface, RandomLabellingsAreClosedAndOfTheLabelsTopology) {
+TEST_P(BaseSurface, RandomLabellingsAreClosedAndOfTheLabelsTopology) {
   unsigned seed = 10;
   for (const double density : {0.03, 0.2, 0.5, 0.8, 1.0})
     for (const std::array<int, 3>& size : {std::array{16, 24, 16}, {40, 8, 8}}) {
       SCOPED_TRACE(::testing::Message() << "density " << density << ", " << size[0]);
       const DenseVolume nodes = random_labels(size, density, ++seed);
-      const TriangleMesh mesh = extract_base_surface(*backend_, make_lattice(nodes, seed, true));
+      const TriangleMesh mesh = extract_base_surface(backend(), make_lattice(nodes, seed, true));
       EXPECT_EQ(edge_triangles(mesh), reference::marching_tetrahedra(nodes));
       test::expect_good_surface(mesh, test::count_nodes(nodes));
     }
 }
 
-TEST_F(BaseSurface, VerticesLieWhereTheValuesVanishWithinTheirMargin) {
+TEST_P(BaseSurface, VerticesLieWhereTheValuesVanishWithinTheirMargin) {
   const DenseVolume nodes = random_labels({24, 16, 16}, 0.3, 3);
   const Lattice lattice = make_lattice(nodes, 8, true);
+  backend().settle();
   const BrickView bricks = lattice.bricks.view();
   const auto value_at = [&](const std::array<int, 3>& n) {
     for (std::size_t b = 0; b < bricks.count; ++b)
@@ -146,7 +144,7 @@ TEST_F(BaseSurface, VerticesLieWhereTheValuesVanishWithinTheirMargin) {
                                                                n[0] & 7, n[1] & 7, n[2] & 7))]);
     return 0.0;
   };
-  const TriangleMesh mesh = extract_base_surface(*backend_, lattice);
+  const TriangleMesh mesh = extract_base_surface(backend(), lattice);
   ASSERT_GT(mesh.vertex_count(), 1000u);
   int at_margin = 0, between = 0;
   for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) {
@@ -161,9 +159,9 @@ TEST_F(BaseSurface, VerticesLieWhereTheValuesVanishWithinTheirMargin) {
   EXPECT_GT(between, 100);
 }
 
-TEST_F(BaseSurface, NoLabelsGiveNoTriangles) {
+TEST_P(BaseSurface, NoLabelsGiveNoTriangles) {
   const TriangleMesh mesh =
-      extract_base_surface(*backend_, make_lattice(DenseVolume({8, 16, 8}), 1));
+      extract_base_surface(backend(), make_lattice(DenseVolume({8, 16, 8}), 1));
   EXPECT_EQ(mesh.vertex_count(), 0u);
   EXPECT_EQ(mesh.triangle_count(), 0u);
 }
@@ -193,14 +191,14 @@ Geometry oblique(bool mirrored) {
   return geometry;
 }
 
-TEST_F(BaseSurface, PlacedInEachSpaceAndOutwardThere) {
+TEST_P(BaseSurface, PlacedInEachSpaceAndOutwardThere) {
   const TriangleMesh box = test::box({9, 10, 11}, {14, 12.5, 17});  // padded voxel units
   for (const bool mirrored : {false, true})
     for (const Space space : {Space::lps, Space::ras, Space::voxel}) {
       SCOPED_TRACE(::testing::Message() << mirrored << " " << static_cast<int>(space));
       const Geometry g = oblique(mirrored);
       TriangleMesh mesh = box;
-      place_in_space(*backend_, g, space, mesh);
+      place_in_space(backend(), g, space, mesh);
       for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
         double along[3], want[3];  // from the centre of voxel (0, 0, 0), along the volume's axes
         for (std::size_t i = 0; i < 3; ++i)
@@ -216,6 +214,8 @@ TEST_F(BaseSurface, PlacedInEachSpaceAndOutwardThere) {
       EXPECT_NEAR(volume_of(mesh), 5 * 2.5 * 6 * 0.5 * 0.75 * 2, 0.01);
     }
 }
+
+INSTANTIATE_TEST_SUITE_P(Backends, BaseSurface, ::testing::ValuesIn(backend_names()), test_name);
 
 }  // namespace
 }  // namespace vasamesh

@@ -7,7 +7,8 @@
 /// One arithmetic for all backends: float32 and integers; +, -, *, /, square root, and fma only
 /// where it is written; no contraction; sums in an order that depends on sizes alone; ties broken
 /// by index. Two backends give the same bytes. A pass gets views alone, keeps nothing, and writes
-/// only the views that are not const. All views of one call belong to the backend called.
+/// only the views that are not const. It may return before it is done; passes run in the order of
+/// their calls. Views of another backend's memory are taken too, once that has settled.
 
 #include <array>
 #include <cstdint>
@@ -17,6 +18,7 @@
 #include <string>
 
 #include "backend/buffer.h"
+#include "backend/byte_account.h"
 #include "types/bricks.h"
 #include "types/lattice.h"
 #include "types/octree.h"
@@ -29,18 +31,57 @@ namespace vasamesh {
 /// The stages that a backend may offer.
 enum class Stage { points, normals, octree, poisson, lattice, surface, mesh, verify };
 
+/// What a device was given to do, and what was copied to and from it.
+struct Traffic {
+  std::int64_t launches = 0;  ///< of kernels
+  std::int64_t copies = 0;
+  std::int64_t bytes = 0;  ///< copied
+};
+
 class Backend : public Memory {
  public:
   virtual std::string name() const = 0;    ///< "tbb", "opencl"
   virtual std::string device() const = 0;  ///< what it runs on, for people
   virtual bool offers(Stage stage) const = 0;
+  virtual std::size_t memory() const { return 0; }  ///< of the device, bytes; 0: the host's
   virtual std::size_t bytes_held() const = 0;
   virtual std::size_t bytes_peak() const = 0;
-  virtual void set_byte_limit(std::size_t bytes) = 0;  ///< 0: none; allocate() throws above it
+  virtual Traffic traffic() const { return {}; }  ///< since it was opened
+  /// 0: none. Of all backends that share an account; allocate() throws above it.
+  virtual void set_byte_limit(std::size_t bytes) = 0;
 
   /// Whether released buffers are kept for the next that are asked for (a Converter's, from one
   /// volume to the next); false gives back what is kept. Backends may ignore it.
   virtual void keep_memory(bool /*keep*/) {}
+
+  // --- Stopping. ------------------------------------------------------------------------------
+
+  /// What passes and run() call now and then, on the thread that called them, with at most some
+  /// milliseconds of work between two calls; so do stages in loops of their own. What it throws
+  /// ends the pass and leaves undefined the views that it writes. Empty: nothing.
+  virtual void set_checkpoint(std::function<void()> checkpoint) {
+    checkpoint_ = std::move(checkpoint);
+  }
+  void checkpoint() const {
+    if (checkpoint_) checkpoint_();
+  }
+
+  // --- The host's sight of a backend's memory. ------------------------------------------------
+
+  /// The elements of a view, as the passes called before have left them. Passes called after see
+  /// what is written there; the span is stale once one of them has written the view.
+  template <class T>
+  std::span<T> on_host(View<T> view) {
+    if (view.size) bring_to_host(view.handle, !std::is_const_v<T>);
+    return {view.data(), view.size};
+  }
+
+  /// Waits for the passes called before, and brings what they have written to the host's memory,
+  /// for work that is not this backend's; takes for granted that it may write there.
+  virtual void settle() {}
+
+  /// Waits for the passes called before.
+  virtual void finish() {}
 
   // --- Copies. `bytes` from byte `offset` of an allocation. ---------------------------------
 
@@ -227,11 +268,21 @@ class Backend : public Memory {
                                View<const std::uint32_t> starts, View<std::uint32_t> nodes) = 0;
 
   /// Flips the labels of the listed nodes (all of one colour, so that none sees another) that are
-  /// simple and whose |value| is at least `threshold`. \return how many.
+  /// simple and whose |value| is at least `threshold`, and lists those that it leaves, in the same
+  /// order, in `left` (as large as `nodes`). \return how many are left; `left` is not written when
+  /// they all are.
   virtual std::uint32_t relabel_sweep(const BrickView& bricks, View<const std::uint8_t> simple,
                                       View<const float> values, float threshold,
-                                      View<const std::uint32_t> nodes,
-                                      View<std::uint8_t> state) = 0;
+                                      View<const std::uint32_t> nodes, View<std::uint8_t> state,
+                                      View<std::uint32_t> left) = 0;
+
+  /// marks = `mark` at the listed nodes.
+  virtual void relabel_mark(View<const std::uint32_t> nodes, std::uint8_t mark,
+                            View<std::uint8_t> marks) = 0;
+
+  /// marked[b] = 1 where a node of brick b is marked, else 0.
+  virtual void relabel_find_marked(const BrickView& bricks, View<const std::uint8_t> marks,
+                                   View<std::uint8_t> marked) = 0;
 
   /// Marks nodes where the labels leave the solid's marching-cubes surface too far, by more than
   /// `limit` (voxel lengths): centres of boundary faces, and corners round which lie polygons of a
@@ -273,6 +324,12 @@ class Backend : public Memory {
                             View<const std::uint32_t> vertex_start,
                             View<const std::uint32_t> triangle_start, View<float> vertices,
                             View<std::uint32_t> triangles) = 0;
+
+ private:
+  /// on_host() for a whole allocation, which the host may write when `writes`.
+  virtual void bring_to_host(void* /*handle*/, bool /*writes*/) {}
+
+  std::function<void()> checkpoint_;
 };
 
 }  // namespace vasamesh

@@ -2,24 +2,26 @@
 
 /// \file
 /// Memory of a backend: a move-only owner (Buffer) and a cheap view (View). A pass takes views
-/// alone. The host reaches the elements through Backend::map, or by an explicit copy.
+/// alone. The host reaches the elements through Backend::on_host, or by an explicit copy.
 
 #include <cstddef>
+#include <span>
 #include <type_traits>
 #include <utility>
 
 namespace vasamesh {
 
 /// `size` elements of T from element `offset` of a backend's allocation. `handle` is what the
-/// backend's allocate() returned: an address for backends whose memory is the host's, an opaque
-/// memory object for others. Null with size 0.
+/// backend's allocate() returned: the address of the allocation in the host's memory, of which a
+/// device may hold a copy. Null with size 0.
 template <class T>
 struct View {
   void* handle = nullptr;
   std::size_t offset = 0;
   std::size_t size = 0;
 
-  /// The elements' address; only for backends whose memory is the host's.
+  /// The elements' address in the host's memory; what is there is what the passes have left once
+  /// Backend::on_host or settle has been called.
   T* data() const { return static_cast<T*>(handle) + offset; }
   T& operator[](std::size_t i) const { return data()[i]; }
 

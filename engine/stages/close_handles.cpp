@@ -13,14 +13,14 @@ constexpr std::size_t kSearchLimit = 200'000;
 
 constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
-/// Nodes of a lattice in host memory.
+/// Nodes of a lattice in the host's memory.
 class Nodes {
  public:
-  explicit Nodes(Lattice& lattice)
-      : state_(lattice.state.view()),
-        values_(lattice.values.view()),
-        coords_(lattice.bricks.coords.view()),
-        neighbours_(lattice.bricks.neighbours.view()) {}
+  Nodes(Backend& backend, Lattice& lattice)
+      : state_(backend.on_host(lattice.state.view())),
+        values_(backend.on_host(View<const float>(lattice.values.view()))),
+        coords_(backend.on_host(View<const BrickCoord>(lattice.bricks.coords.view()))),
+        neighbours_(backend.on_host(View<const std::int32_t>(lattice.bricks.neighbours.view()))) {}
 
   bool inside(std::uint32_t node) const { return (state_[node] & kLabel) != 0; }
   void set_inside(std::uint32_t node) { state_[node] |= kLabel; }
@@ -55,10 +55,10 @@ class Nodes {
   }
 
  private:
-  View<std::uint8_t> state_;
-  View<const float> values_;
-  View<const BrickCoord> coords_;
-  View<const std::int32_t> neighbours_;
+  std::span<std::uint8_t> state_;
+  std::span<const float> values_;
+  std::span<const BrickCoord> coords_;
+  std::span<const std::int32_t> neighbours_;
 };
 
 /// Whether a way through outside nodes, not over `node`, leads from one part of its link to the
@@ -85,10 +85,11 @@ bool joined_elsewhere(const Nodes& nodes, std::uint32_t node, std::uint32_t part
 
 }  // namespace
 
-std::size_t close_handles(Lattice& lattice, const std::array<std::vector<std::uint32_t>, 8>& stuck,
+std::size_t close_handles(Backend& backend, Lattice& lattice,
+                          const std::array<std::vector<std::uint32_t>, 8>& stuck,
                           std::vector<Closing>& closings) {
   constexpr std::uint32_t kAll = kLinkCount - 1;
-  Nodes nodes(lattice);
+  Nodes nodes(backend, lattice);
   const std::size_t before = closings.size();
   for (const auto& list : stuck)
     for (const std::uint32_t node : list) {

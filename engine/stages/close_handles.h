@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "backend/backend.h"
 #include "stages/relabel.h"
 #include "types/lattice.h"
 
@@ -17,7 +18,8 @@ namespace vasamesh {
 /// that fill a tunnel: a ring of inside nodes round them, and outside parts on both sides that are
 /// joined elsewhere; or a cavity of one node. Never joins pieces and never makes a cavity.
 /// \return how many, appended to `closings`.
-std::size_t close_handles(Lattice& lattice, const std::array<std::vector<std::uint32_t>, 8>& stuck,
+std::size_t close_handles(Backend& backend, Lattice& lattice,
+                          const std::array<std::vector<std::uint32_t>, 8>& stuck,
                           std::vector<Closing>& closings);
 
 }  // namespace vasamesh

@@ -28,8 +28,11 @@ std::vector<BrickCoord> coarser_bricks(const std::vector<BrickCoord>& bricks) {
 }
 
 /// The refined bricks round the samples that want them: those of vessels thinner than `thickness`.
-std::vector<BrickCoord> refined_bricks(const PointCloud& points, float thickness) {
+std::vector<BrickCoord> refined_bricks(Backend& backend, const PointCloud& points,
+                                       float thickness) {
   const PointView view = points.view();
+  backend.on_host(view.thickness);
+  for (const View<const float>& axis : view.position) backend.on_host(axis);
   std::vector<BrickCoord> bricks;
   std::vector<std::uint8_t> octants;
   for (std::size_t i = 0; i < view.count; ++i) {
@@ -101,7 +104,7 @@ Octree build_octree(Backend& backend, const PointCloud& points, const Scale& sca
                                        std::move(coords[static_cast<std::size_t>(exponent)])));
   const bool everywhere = parameters.depth == 4 + root_exponent + 1;
   if (parameters.depth == 0 || everywhere) {
-    auto refined = refined_bricks(points, everywhere ? 2.0f : kThinThickness);
+    auto refined = refined_bricks(backend, points, everywhere ? 2.0f : kThinThickness);
     if (!refined.empty())
       octree.levels.push_back(make_level(backend, -1, scale, std::move(refined)));
   }

@@ -29,35 +29,6 @@ double relative_norm(float square, float reference) {
   return reference > 0 ? std::sqrt(static_cast<double>(square) / reference) : 0.0;
 }
 
-/// A copy of a buffer of `from` in the memory of `to`.
-template <class T>
-Buffer<T> copy_between(Backend& from, View<const T> values, Backend& to) {
-  std::vector<T> staging(values.size);
-  from.download<T>(values, staging);
-  Buffer<T> copy(to, values.size);
-  to.upload<T>(copy.view(), staging);
-  return copy;
-}
-
-/// As conjugate_gradient, for a level whose buffers `host` holds, on a backend of other memory.
-SolveOutcome solve_elsewhere(Backend& host, Backend& solver, OctreeLevel& level, int iterations,
-                             SolveWorkspace& workspace) {
-  Bricks bricks;
-  bricks.count = level.bricks.count;
-  bricks.coords = copy_between<BrickCoord>(host, level.bricks.coords.view(), solver);
-  bricks.neighbours = copy_between<std::int32_t>(host, level.bricks.neighbours.view(), solver);
-  const auto unknown = copy_between<std::uint8_t>(host, level.unknown.view(), solver);
-  const auto b = copy_between<float>(host, level.right_hand_side.view(), solver);
-  auto x = copy_between<float>(host, level.solution.view(), solver);
-  const SolveOutcome outcome =
-      conjugate_gradient(solver, {level.exponent, bricks.view(), level.weights}, unknown.view(),
-                         b.view(), x.view(), iterations, workspace);
-  std::vector<float> staging(x.size());
-  solver.download<float>(x.view(), staging);
-  host.upload<float>(level.solution.view(), staging);
-  return outcome;
-}
-
 /// Smooths by the variance that is wanted (in cells^2) along one axis, in two passes.
 void smooth_axis(Backend& backend, const LevelView& level, int axis, float variance,
                  Buffer<float>& values, Buffer<float>& scratch) {
@@ -69,7 +40,8 @@ void smooth_axis(Backend& backend, const LevelView& level, int axis, float varia
 }
 
 /// Area-weighted mean of the values over all points.
-float mean_value(const PointView& points, View<const float> values) {
+float mean_value(Backend& backend, const PointView& points, View<const float> values) {
+  for (const View<const float>& axis : points.area) backend.on_host(axis);
   double sum = 0, weight = 0;
   for (std::size_t i = 0; i < points.count; ++i) {
     const double ax = points.area[0][i], ay = points.area[1][i], az = points.area[2][i];
@@ -145,24 +117,22 @@ void assemble_poisson(Backend& backend, const PointCloud& points, const Scale& s
 
 void solve_poisson(Scheduler& scheduler, const Parameters& parameters, Octree& octree,
                    std::vector<LevelReport>& reports) {
-  Backend& host = scheduler.host();
-  Backend& solver = scheduler.backend_for(Stage::poisson);
+  Backend& backend = scheduler.backend_for(Stage::poisson);
   const int finest = finest_solved(octree, parameters);
   SolveWorkspace workspace;
   for (std::size_t i = 0; i < octree.levels.size(); ++i) {
     OctreeLevel& level = octree.levels[i];
     if (i == 0)
-      host.fill(level.solution.view(), 0.0f);
+      backend.fill(level.solution.view(), 0.0f);
     else
-      host.poisson_prolong(level.view(), level.parents.view(), octree.levels[i - 1].solution.view(),
-                           level.solution.view());
+      backend.poisson_prolong(level.view(), level.parents.view(),
+                              octree.levels[i - 1].solution.view(), level.solution.view());
     SolveOutcome outcome;
     if (level.exponent >= finest) {
       const int iterations = i == 0 ? kRootIterations : kLevelIterations;
-      outcome = &solver == &host ? conjugate_gradient(host, level.view(), level.unknown.view(),
-                                                      level.right_hand_side.view(),
-                                                      level.solution.view(), iterations, workspace)
-                                 : solve_elsewhere(host, solver, level, iterations, workspace);
+      outcome = conjugate_gradient(backend, level.view(), level.unknown.view(),
+                                   level.right_hand_side.view(), level.solution.view(), iterations,
+                                   workspace);
     }
     LevelReport report;
     report.depth = octree.depth(level);
@@ -189,8 +159,8 @@ void subtract_isovalue(Backend& backend, const PointCloud& points, const Scale& 
     backend.poisson_sample_points(level.view(), index_points(backend, level, points).view(),
                                   points.view(), level.solution.view(), at_points.view());
   }
-  const View<float> at_point = at_points.view();
-  for (std::size_t i = 0; i < points.count; ++i) at_point[i] += kOutwardBias;
+  for (float& value : backend.on_host(at_points.view())) value += kOutwardBias;
+  const float mean_at_points = mean_value(backend, points.view(), at_points.view());
   // Its normalised Gaussian mean, as a spline of the level of two voxels a cell.
   const OctreeLevel& coarse = octree.at_exponent(1);
   Buffer<float> mean(backend, cells(coarse)), weight(backend, cells(coarse)),
@@ -203,7 +173,7 @@ void subtract_isovalue(Backend& backend, const PointCloud& points, const Scale& 
     smooth_axis(backend, coarse.view(), axis, variance, mean, scratch);
     smooth_axis(backend, coarse.view(), axis, variance, weight, scratch);
   }
-  backend.isovalue_divide(mean_value(points.view(), at_points.view()), weight.view(), mean.view());
+  backend.isovalue_divide(mean_at_points, weight.view(), mean.view());
 
   OctreeLevel& regular = octree.at_exponent(0);
   Buffer<float> isovalue(backend, cells(regular));

@@ -32,15 +32,10 @@ constexpr std::array<Repair, 8> kRepairs = {{{2, 0.5f, true},
 /// What a node gets whose value's sign is not its label at the end.
 constexpr float kLeastValue = 0.02f;
 
-/// The nodes to flip, by colour.
+/// The nodes of one colour that are to flip: a part of one of two buffers, in turn.
 struct Pending {
-  std::array<std::vector<std::uint32_t>, 8> nodes;
-
-  std::size_t count() const {
-    std::size_t sum = 0;
-    for (const auto& list : nodes) sum += list.size();
-    return sum;
-  }
+  std::size_t first = 0, count = 0;
+  std::size_t buffer = 0;
 };
 
 /// One relabelling of a lattice: lists, sweeps, what is left.
@@ -60,14 +55,29 @@ class Relabelling {
     for (const float threshold : kThresholds)
       for (std::int64_t round = -1; round != 0;) {
         round = 0;
-        for (std::size_t colour = 0; colour < 8; ++colour) round += sweep(colour, threshold);
+        for (Pending& pending : pending_)
+          round += static_cast<std::int64_t>(sweep(pending, threshold));
         flips += round;
       }
     return flips;
   }
 
-  /// Nodes left that could not be flipped.
-  const Pending& stuck() const { return pending_; }
+  /// How many nodes are left that could not be flipped.
+  std::size_t stuck_count() const {
+    std::size_t sum = 0;
+    for (const Pending& pending : pending_) sum += pending.count;
+    return sum;
+  }
+
+  /// Those nodes, by colour.
+  std::array<std::vector<std::uint32_t>, 8> stuck() {
+    std::array<std::vector<std::uint32_t>, 8> nodes;
+    for (std::size_t colour = 0; colour < 8; ++colour) {
+      nodes[colour].resize(pending_[colour].count);
+      backend_.download<std::uint32_t>(listed(pending_[colour]), nodes[colour]);
+    }
+    return nodes;
+  }
 
   /// Marks stuck nodes and those that left the solid too far. \return how many are too far.
   std::uint32_t mark(const Scale& scale, View<std::uint8_t> marks) {
@@ -75,8 +85,8 @@ class Relabelling {
     const std::uint32_t far =
         backend_.lattice_mark_far(lattice_.bricks.view(), upload_active(), scale, limit,
                                   lattice_.state.view(), lattice_.values.view(), marks);
-    for (const auto& nodes : pending_.nodes)
-      for (const std::uint32_t node : nodes) marks[node] = kStuckMark;
+    for (const Pending& pending : pending_)
+      backend_.relabel_mark(listed(pending), kStuckMark, marks);
     return far;
   }
 
@@ -85,11 +95,8 @@ class Relabelling {
   void repair(View<const std::uint8_t> marks, const Repair& repair) {
     backend_.lattice_blend(lattice_.bricks.view(), marks, repair.radius, repair.strength,
                            repair.smooth, lattice_.state.view(), lattice_.values.view());
-    std::fill(active_.begin(), active_.end(), std::uint8_t{0});
-    for (std::size_t b = 0; b < active_.size(); ++b) {
-      const std::uint8_t* own = marks.data() + kBrickCells * b;
-      active_[b] = std::any_of(own, own + kBrickCells, [](std::uint8_t m) { return m != 0; });
-    }
+    backend_.relabel_find_marked(lattice_.bricks.view(), marks, active_view_.view());
+    backend_.download<std::uint8_t>(active_view_.view(), active_);
     grow_active();  // the blend's reach
     grow_active();  // what its flips can bring near or far
   }
@@ -104,34 +111,29 @@ class Relabelling {
                            counts.subview(0, 8 * bricks.count));
     const std::uint32_t total =
         backend_.exclusive_scan(counts.subview(0, 8 * bricks.count), counts);
-    Buffer<std::uint32_t> nodes(backend_, total);
+    for (Buffer<std::uint32_t>& list : lists_) list.resize(backend_, total);
     backend_.relabel_collect(bricks, active, lattice_.state.view(), lattice_.values.view(), counts,
-                             nodes.view());
-    std::vector<std::uint32_t> starts(counts.size);
-    backend_.download<std::uint32_t>(counts, starts);
-    for (std::size_t colour = 0; colour < 8; ++colour) {
-      const std::uint32_t first = starts[colour * bricks.count];
-      pending_.nodes[colour].resize(starts[(colour + 1) * bricks.count] - first);
-      backend_.download<std::uint32_t>(nodes.view().subview(first, pending_.nodes[colour].size()),
-                                       pending_.nodes[colour]);
-    }
+                             lists_[0].view());
+    std::array<std::uint32_t, 9> starts{};
+    for (std::size_t colour = 0; colour <= 8; ++colour)
+      backend_.download<std::uint32_t>(counts.subview(colour * bricks.count, 1),
+                                       {&starts[colour], 1});
+    for (std::size_t colour = 0; colour < 8; ++colour)
+      pending_[colour] = {starts[colour], starts[colour + 1] - starts[colour], 0};
   }
 
-  std::uint32_t sweep(std::size_t colour, float threshold) {
-    std::vector<std::uint32_t>& nodes = pending_.nodes[colour];
-    if (nodes.empty()) return 0;
-    list_.resize(backend_, nodes.size());
-    backend_.upload<std::uint32_t>(list_.view(), nodes);
-    const std::uint32_t flips =
+  View<std::uint32_t> listed(const Pending& pending) {
+    return lists_[pending.buffer].view().subview(pending.first, pending.count);
+  }
+
+  std::size_t sweep(Pending& pending, float threshold) {
+    if (pending.count == 0) return 0;
+    const Pending other = {pending.first, pending.count, 1 - pending.buffer};
+    const std::size_t left =
         backend_.relabel_sweep(lattice_.bricks.view(), simple_.view(), lattice_.values.view(),
-                               threshold, list_.view(), lattice_.state.view());
-    if (flips == 0) return 0;
-    // The labels and values are in host memory: the lattice stage runs on the host's backend.
-    const auto state = lattice_.state.view();
-    const auto values = lattice_.values.view();
-    std::erase_if(nodes, [&](std::uint32_t node) {
-      return ((state[node] & kLabel) != 0) == (values[node] > 0);
-    });
+                               threshold, listed(pending), lattice_.state.view(), listed(other));
+    const std::size_t flips = pending.count - left;
+    if (flips) pending = {other.first, left, other.buffer};
     return flips;
   }
 
@@ -143,7 +145,8 @@ class Relabelling {
 
   void grow_active() {
     const std::vector<std::uint8_t> before = active_;
-    const auto neighbours = lattice_.bricks.neighbours.view();
+    const auto neighbours =
+        backend_.on_host(View<const std::int32_t>(lattice_.bricks.neighbours.view()));
     for (std::size_t b = 0; b < before.size(); ++b)
       for (std::size_t n = 0; n < 27 && !active_[b]; ++n) {
         const std::int32_t other = neighbours[27 * b + n];
@@ -156,16 +159,17 @@ class Relabelling {
   std::vector<std::uint8_t> active_;  ///< bricks whose values have changed, and those round them
   Buffer<std::uint8_t> active_view_;
   Buffer<std::uint8_t> simple_;
-  Buffer<std::uint32_t> counts_, list_;
-  Pending pending_;
+  Buffer<std::uint32_t> counts_;
+  std::array<Buffer<std::uint32_t>, 2> lists_;
+  std::array<Pending, 8> pending_;
 };
 
 /// Forgets the boundary faces that a closing has buried: none is to be near the surface again.
-void forget_buried_faces(Lattice& lattice) {
+void forget_buried_faces(Backend& backend, Lattice& lattice) {
   constexpr float kBuried = 0.2f;
-  const auto state = lattice.state.view();
-  const auto values = lattice.values.view();
-  for (std::size_t node = 0; node < state.size; ++node)
+  const auto state = backend.on_host(lattice.state.view());
+  const auto values = backend.on_host(View<const float>(lattice.values.view()));
+  for (std::size_t node = 0; node < state.size(); ++node)
     if ((state[node] & kLabel) && values[node] > kBuried)
       state[node] = static_cast<std::uint8_t>(state[node] & ~kFaceCentre);
 }
@@ -180,13 +184,13 @@ RelabelReport relabel(Scheduler& scheduler, const Scale& scale, Lattice& lattice
   Relabelling relabelling(backend, lattice);
   Buffer<std::uint8_t> marks(backend, lattice.values.size());
   report.flips = relabelling.run();
-  while (closings && close_handles(lattice, relabelling.stuck().nodes, *closings))
+  while (closings && close_handles(backend, lattice, relabelling.stuck(), *closings))
     report.flips += relabelling.run();
-  if (closings && !closings->empty()) forget_buried_faces(lattice);
-  report.stuck_first = static_cast<std::int64_t>(relabelling.stuck().count());
+  if (closings && !closings->empty()) forget_buried_faces(backend, lattice);
+  report.stuck_first = static_cast<std::int64_t>(relabelling.stuck_count());
   for (const Repair& repair : kRepairs) {
     const std::uint32_t far = relabelling.mark(scale, marks.view());
-    if (far == 0 && relabelling.stuck().count() == 0) break;
+    if (far == 0 && relabelling.stuck_count() == 0) break;
     relabelling.repair(marks.view(), repair);
     report.flips += relabelling.run();
     ++report.repair_passes;

@@ -4,6 +4,8 @@
 #include <tbb/global_control.h>
 
 #include <algorithm>
+#include <cstdio>
+#include <cstdlib>
 #include <new>
 #include <optional>
 #include <string>
@@ -16,6 +18,14 @@
 namespace vasamesh::cli {
 
 namespace {
+
+/// Leaves without taking the program down: a device may still be at work on what was cancelled, and
+/// its driver waits for it.
+[[noreturn]] void leave(int code) {
+  std::fflush(stdout);
+  std::fflush(stderr);
+  std::_Exit(code);
+}
 
 int report(ErrorCode code, std::string message) {
   std::replace(message.begin(), message.end(), '\n', ' ');
@@ -43,6 +53,7 @@ int guard(const Work& work) {
       throw Error(ErrorCode::refused, "standard output cannot be written: is the disk full?");
     return 0;
   } catch (const Error& error) {
+    if (error.code() == ErrorCode::cancelled) leave(report(error.code(), error.what()));
     if (error.code() != ErrorCode::internal) return report(error.code(), error.what());
     return report(ErrorCode::internal,
                   std::string(error.what()) + "; this is a fault of vasamesh, please report it");
@@ -81,6 +92,10 @@ int run(int argc, const char* const* argv) {
   const CLI::App* check_app = add_check(app, check);
   const CLI::App* phantom_app = add_phantom(app, phantom);
   add_devices(app);
+  BenchRequest bench;
+  TuneRequest tune;
+  const CLI::App* bench_app = add_bench(app, bench);
+  const CLI::App* tune_app = add_tune(app, tune);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -91,6 +106,8 @@ int run(int argc, const char* const* argv) {
     if (convert_app->parsed()) return run_convert(convert);
     if (check_app->parsed()) return run_check(check);
     if (phantom_app->parsed()) return run_phantom(phantom);
+    if (bench_app->parsed()) return run_bench(bench);
+    if (tune_app->parsed()) return run_tune(tune);
     run_devices();
   });
 }

@@ -5,9 +5,9 @@
 #include <utility>
 #include <vector>
 
+#include "backend/device_failure.h"
 #include "opencl/arithmetic.h"
 #include "opencl/opencl_backend.h"
-#include "vasamesh/errors.h"
 
 namespace vasamesh {
 
@@ -17,11 +17,24 @@ constexpr std::size_t kReduceLast = 8192;  // sums that one work-group adds
 
 std::size_t pieces(std::size_t count, std::size_t size) { return (count + size - 1) / size; }
 
-WorkShape shape_for(const cl::Device& device, KernelShape wanted) {
-  if (wanted == KernelShape::by_device)
-    wanted = device.getInfo<CL_DEVICE_TYPE>() & CL_DEVICE_TYPE_CPU ? KernelShape::one_item
-                                                                   : KernelShape::work_group;
-  return wanted == KernelShape::one_item ? kOneItemShape : kWorkGroupShape;
+bool is_cpu(const cl::Device& device) {
+  return (ask<CL_DEVICE_TYPE>(device) & CL_DEVICE_TYPE_CPU) != 0;
+}
+
+WorkShape usual_shape(const cl::Device& device) {
+  return is_cpu(device) ? kOneItemShape : kWorkGroupShape;
+}
+
+WorkShape shape_for(const cl::Device& device, const OpenClOptions& options) {
+  if (options.work_shape) return *options.work_shape;
+  if (options.shape == KernelShape::one_item) return kOneItemShape;
+  if (options.shape == KernelShape::work_group) return kWorkGroupShape;
+  const std::optional<Tuning> tuning = load_tuning(options.device, options.cache_folder);
+  return tuning ? tuning->shape : usual_shape(device);
+}
+
+bool shares_memory(const cl::Device& device, DeviceCopies wanted) {
+  return wanted == DeviceCopies::by_device ? is_cpu(device) : wanted == DeviceCopies::shared;
 }
 
 /// Turns block totals into the blocks' starts, in place. \return the sum of all.
@@ -33,6 +46,10 @@ std::uint64_t starts_of(std::vector<std::uint64_t>& totals) {
 
 }  // namespace
 
+WorkShape usual_opencl_shape(int device) {
+  return usual_shape(opencl_devices().at(static_cast<std::size_t>(device)));
+}
+
 std::shared_ptr<Backend> make_opencl_backend(const OpenClOptions& options) {
   const std::vector<cl::Device> devices = opencl_devices();
   if (devices.empty())
@@ -42,76 +59,101 @@ std::shared_ptr<Backend> make_opencl_backend(const OpenClOptions& options) {
   if (options.device < 0 || static_cast<std::size_t>(options.device) >= devices.size())
     throw Error(ErrorCode::no_device, "no OpenCL device " + std::to_string(options.device) +
                                           " of " + std::to_string(devices.size()) +
-                                          ": see vasamesh devices");
+                                          ": see vasamesh devices, or use --backend tbb");
   const cl::Device& device = devices[static_cast<std::size_t>(options.device)];
-  return std::make_shared<OpenClBackend>(device, shape_for(device, options.shape),
-                                         ProgramCache(options.cache_folder));
+  try {
+    return std::make_shared<OpenClBackend>(
+        device, shape_for(device, options), shares_memory(device, options.copies),
+        ProgramCache(options.cache_folder), options.workers, options.total, options.stages);
+  } catch (const DeviceFailure& failure) {
+    throw Error(ErrorCode::no_device, std::string("the OpenCL device cannot be opened: ") +
+                                          failure.what() + "; see vasamesh devices");
+  }
 }
 
-OpenClBackend::OpenClBackend(cl::Device device, const WorkShape& shape, ProgramCache cache)
+OpenClBackend::OpenClBackend(cl::Device device, const WorkShape& shape, bool shared_memory,
+                             ProgramCache cache, std::shared_ptr<Backend> workers,
+                             std::shared_ptr<ByteAccount> total, std::uint32_t stages)
     : device_(std::move(device)),
-      device_name_(device_.getInfo<CL_DEVICE_NAME>()),
-      largest_buffer_(device_.getInfo<CL_DEVICE_MAX_MEM_ALLOC_SIZE>()),
-      shape_(shape) {
+      device_name_(ask<CL_DEVICE_NAME>(device_)),
+      largest_buffer_(ask<CL_DEVICE_MAX_MEM_ALLOC_SIZE>(device_)),
+      global_memory_(ask<CL_DEVICE_GLOBAL_MEM_SIZE>(device_)),
+      shape_(shape),
+      workers_(std::move(workers)),
+      stages_(stages),
+      account_(std::move(total)) {
+  if (const std::string lack = lacks(device_, shape_); !lack.empty())
+    throw DeviceFailure(ErrorCode::no_device,
+                        device_name_ + " " + lack + ": choose another, or use --backend tbb");
   cl_int status = CL_SUCCESS;
   context_ = cl::Context(device_, nullptr, nullptr, nullptr, &status);
-  if (status == CL_SUCCESS) queue_ = cl::CommandQueue(context_, device_, 0, &status);
-  if (status != CL_SUCCESS)
-    throw Error(ErrorCode::no_device, "OpenCL device " + device_name_ + " cannot be opened, " +
-                                          status_name(status) +
-                                          ": choose another (see vasamesh devices), or use "
-                                          "--backend tbb");
+  check(status, "a context on " + device_name_);
+  queue_ = cl::CommandQueue(context_, device_, 0, &status);
+  check(status, "a queue on " + device_name_);
   programs_.emplace(context_, device_, shape_, std::move(cache));
+  memory_.emplace(context_, queue_, device_name_, shared_memory);
   if (!arithmetic_as_specified(context_, queue_, *programs_))
-    throw Error(ErrorCode::no_device,
-                "OpenCL device " + device_name_ +
-                    " contracts products or drops sub-normal numbers, so that its surfaces would "
-                    "differ from other devices': choose another, or use --backend tbb");
+    throw DeviceFailure(ErrorCode::no_device,
+                        device_name_ +
+                            " contracts products or drops sub-normal numbers, so that "
+                            "its surfaces would differ from other devices': choose "
+                            "another, or use --backend tbb");
+}
+
+Traffic OpenClBackend::traffic() const {
+  return {launches_, memory_->copies(), memory_->bytes_copied()};
 }
 
 void* OpenClBackend::allocate(std::size_t bytes) {
-  const std::size_t held = held_ + bytes;
-  if (limit_ && held > limit_)
-    throw Error(ErrorCode::refused, "the conversion needs more memory than --max-memory allows (" +
-                                        std::to_string(held) + " of " + std::to_string(limit_) +
-                                        " bytes): allow more, or convert a part of the volume");
   if (bytes > largest_buffer_)
-    throw Error(ErrorCode::refused, device_name_ + " gives buffers of at most " +
-                                        std::to_string(largest_buffer_) + " bytes, not " +
-                                        std::to_string(bytes) + ": use --backend tbb");
-  cl_int status = CL_SUCCESS;
-  cl_mem memory = clCreateBuffer(context_(), CL_MEM_READ_WRITE, bytes, nullptr, &status);
-  check(status, "allocating " + std::to_string(bytes) + " bytes on " + device_name_);
-  held_ = held;
-  peak_ = std::max(peak_, held);
-  return memory;
+    throw DeviceFailure(ErrorCode::refused, device_name_ + " gives buffers of at most " +
+                                                std::to_string(largest_buffer_) + " bytes, not " +
+                                                std::to_string(bytes) + ": use --backend tbb");
+  account_.take(bytes);
+  try {
+    return memory_->allocate(bytes);
+  } catch (...) {
+    account_.give(bytes);
+    throw;
+  }
 }
 
-/// Commands that are queued keep the memory until they are done.
+void OpenClBackend::set_checkpoint(std::function<void()> checkpoint) {
+  memory_->set_checkpoint(checkpoint);
+  programs_->set_checkpoint(checkpoint);
+  if (workers_) workers_->set_checkpoint(checkpoint);
+  Backend::set_checkpoint(std::move(checkpoint));
+}
+
 void OpenClBackend::release(void* handle, std::size_t bytes) noexcept {
-  held_ -= bytes;
-  clReleaseMemObject(static_cast<cl_mem>(handle));
+  account_.give(bytes);
+  memory_->release(handle);
 }
 
 void OpenClBackend::write(void* handle, std::size_t offset, const void* from, std::size_t bytes) {
-  check(clEnqueueWriteBuffer(queue_(), static_cast<cl_mem>(handle), CL_TRUE, offset, bytes, from, 0,
-                             nullptr, nullptr),
-        "copying " + std::to_string(bytes) + " bytes to " + device_name_);
+  memory_->write(handle, offset, from, bytes);
 }
 
 void OpenClBackend::read(const void* handle, std::size_t offset, void* to, std::size_t bytes) {
-  const auto memory = static_cast<cl_mem>(const_cast<void*>(handle));
-  check(clEnqueueReadBuffer(queue_(), memory, CL_TRUE, offset, bytes, to, 0, nullptr, nullptr),
-        "copying " + std::to_string(bytes) + " bytes from " + device_name_);
+  memory_->read(handle, offset, to, bytes);
+}
+
+void OpenClBackend::run(std::size_t tasks, const std::function<void(std::size_t)>& task) {
+  memory_->wait();
+  if (workers_)
+    workers_->run(tasks, task);
+  else
+    for (std::size_t i = 0; i < tasks; ++i) task(i);
 }
 
 template <class T>
 void OpenClBackend::fill_view(View<T> values, T value) {
   if (values.size == 0) return;
   check(
-      clEnqueueFillBuffer(queue_(), static_cast<cl_mem>(values.handle), &value, sizeof(T),
-                          values.offset * sizeof(T), values.size * sizeof(T), 0, nullptr, nullptr),
+      clEnqueueFillBuffer(queue_(), memory_of(values), &value, sizeof(T), values.offset * sizeof(T),
+                          values.size * sizeof(T), 0, nullptr, nullptr),
       "fill on " + device_name_);
+  memory_->finish_loans();
 }
 
 void OpenClBackend::fill(View<float> values, float value) { fill_view(values, value); }
@@ -157,14 +199,11 @@ float OpenClBackend::reduce_sum(View<const float> values) {
   }
   const cl_ulong count = values.size;
   cl_ulong half = std::bit_ceil(values.size) / 2;
-  const auto groups = [this](cl_ulong sums) {
-    return pieces(sums, static_cast<std::size_t>(shape_.fold_items));
-  };
   sums_.resize(*this, half);
-  launch("primitives_reduce_first", groups(half), shape_.fold_items, values, count, half,
+  launch("primitives_reduce_first", groups_of(half), shape_.fold_items, values, count, half,
          sums_.view());
   for (half /= 2; half > kReduceLast; half /= 2)
-    launch("primitives_reduce_fold", groups(half), shape_.fold_items, sums_.view(), half);
+    launch("primitives_reduce_fold", groups_of(half), shape_.fold_items, sums_.view(), half);
   if (half)
     launch("primitives_reduce_last", 1, shape_.reduce_items, sums_.view(),
            static_cast<cl_uint>(half));

@@ -1,44 +1,83 @@
 #pragma once
 
 /// \file
-/// The OpenCL backend's class; its passes are in a file a stage beside this one. A buffer's handle
-/// is its cl_mem. Passes are queued in order and return at once; what reads a value back waits, and
-/// reports what went wrong before it.
+/// The OpenCL backend's class; its passes are in a file a stage beside this one. Passes are queued
+/// in order and return at once; what reads a value back waits, and reports what went wrong before
+/// it.
 
+#include <array>
+#include <memory>
 #include <optional>
 #include <string>
+#include <type_traits>
 
-#include "backend/partial_backend.h"
+#include "backend/backend.h"
 #include "opencl/backend.h"
 #include "opencl/check.h"
+#include "opencl/device_memory.h"
 #include "opencl/program.h"
+#include "types/tetrahedra.h"
 
 namespace vasamesh {
 
-/// The devices that list_opencl_devices() describes, in its order.
+/// All devices of all platforms; list_opencl_devices() numbers them so.
 std::vector<cl::Device> opencl_devices();
 
-class OpenClBackend final : public PartialBackend {
+/// What kernels of that shape need and the device has not, as "has work-groups of at most 1 item,
+/// not 64"; empty when it has everything. Kernels need no doubles.
+std::string lacks(const cl::Device& device, const WorkShape& shape);
+
+class OpenClBackend final : public Backend {
  public:
-  OpenClBackend(cl::Device device, const WorkShape& shape, ProgramCache cache);
+  /// \param workers  runs the tasks of run().
+  OpenClBackend(cl::Device device, const WorkShape& shape, bool shared_memory, ProgramCache cache,
+                std::shared_ptr<Backend> workers, std::shared_ptr<ByteAccount> total,
+                std::uint32_t stages);
 
   std::string name() const override { return "opencl"; }
   std::string device() const override { return device_name_; }
-  bool offers(Stage stage) const override { return stage == Stage::poisson; }
-  std::size_t bytes_held() const override { return held_; }
-  std::size_t bytes_peak() const override { return peak_; }
-  void set_byte_limit(std::size_t bytes) override { limit_ = bytes; }
+  bool offers(Stage stage) const override {
+    return stage <= Stage::surface && (stages_ & bit_of(stage));
+  }
+  std::size_t memory() const override { return global_memory_; }
+  std::size_t bytes_held() const override { return account_.held(); }
+  std::size_t bytes_peak() const override { return account_.peak(); }
+  void set_byte_limit(std::size_t bytes) override { account_.set_limit(bytes); }
 
   void* allocate(std::size_t bytes) override;
   void release(void* handle, std::size_t bytes) noexcept override;
+  void settle() override { memory_->settle(); }
+  Traffic traffic() const override;
+  void finish() override { memory_->wait(); }
+  void set_checkpoint(std::function<void()> checkpoint) override;
   void write(void* handle, std::size_t offset, const void* from, std::size_t bytes) override;
   void read(const void* handle, std::size_t offset, void* to, std::size_t bytes) override;
+
+  void run(std::size_t tasks, const std::function<void(std::size_t)>& task) override;
 
   void fill(View<float> values, float value) override;
   void fill(View<std::uint8_t> values, std::uint8_t value) override;
   void fill(View<std::uint32_t> values, std::uint32_t value) override;
   std::uint32_t exclusive_scan(View<const std::uint32_t> values, View<std::uint32_t> sums) override;
   float reduce_sum(View<const float> values) override;
+
+  void volume_pack(const VolumeView& volume, const std::array<int, 3>& size, int words_per_row,
+                   View<std::uint64_t> words) override;
+  void points_thin_mask(const BitView& object, View<std::uint64_t> thin,
+                        View<std::uint64_t> refine) override;
+  void points_mark_bricks(const BitView& object, View<std::uint8_t> octants) override;
+  void points_count(const BitView& object, const BitView& refine, const BrickView& bricks,
+                    View<std::uint32_t> counts, View<std::uint32_t> refined) override;
+  void points_emit(const BitView& object, const BitView& thin, const BitView& refine,
+                   const BrickView& bricks, View<const std::uint32_t> voxel_start,
+                   const Scale& scale, const PointOutput& points) override;
+
+  void normals_gradient(const BitView& object, const PointView& points, const Scale& scale,
+                        float sigma, std::array<View<float>, 3> normals) override;
+  void normals_covariance(const PointView& points, const BrickView& bricks,
+                          View<const std::uint32_t> voxel_start, const Scale& scale, int k,
+                          std::array<View<const float>, 3> gradients,
+                          std::array<View<float>, 3> normals) override;
 
   void poisson_apply(const LevelView& level, View<const std::uint8_t> unknown, View<const float> p,
                      View<float> q, View<float> partial) override;
@@ -51,11 +90,77 @@ class OpenClBackend final : public PartialBackend {
   void poisson_update_direction(const LevelView& level, float beta, View<const float> r,
                                 View<float> p) override;
 
+  void octree_mark_unknown(const LevelView& level, bool whole, View<std::uint8_t> unknown) override;
+  void poisson_splat(const LevelView& level, const PointIndex& index, const PointView& points,
+                     const Scale& scale, const Kernel& kernel,
+                     View<float> right_hand_side) override;
+  void poisson_restrict(const LevelView& coarse, View<const std::int32_t> children,
+                        View<const float> fine_values, View<float> coarse_values) override;
+  void poisson_prolong(const LevelView& fine, View<const std::int32_t> parents,
+                       View<const float> coarse_values, View<float> fine_values) override;
+  void poisson_sample_points(const LevelView& level, const PointIndex& index,
+                             const PointView& points, View<const float> coefficients,
+                             View<float> values) override;
+  void isovalue_splat(const LevelView& level, const PointIndex& index, const PointView& points,
+                      View<const float> values, View<float> numerator,
+                      View<float> denominator) override;
+  void isovalue_smooth(const LevelView& level, int axis, float tap, View<const float> in,
+                       View<float> out) override;
+  void isovalue_divide(float fallback, View<const float> denominator,
+                       View<float> numerator) override;
+  void field_subtract(View<float> a, View<const float> b) override;
+  void lattice_mark(const BitView& object, const BrickView& bricks,
+                    const std::array<int, 3>& radius, View<std::uint8_t> used) override;
+  void lattice_label(const BitView& object, int connectivity, const BrickView& bricks,
+                     const std::array<int, 3>& radius, View<std::uint8_t> state) override;
+  void lattice_sample(const BrickView& bricks, View<const std::int32_t> in_regular,
+                      View<const float> regular, View<const std::int32_t> in_refined,
+                      View<const float> refined, View<float> values) override;
+  void relabel_count(const BrickView& bricks, View<const std::uint8_t> active,
+                     View<const std::uint8_t> state, View<const float> values,
+                     View<std::uint32_t> counts) override;
+  void relabel_collect(const BrickView& bricks, View<const std::uint8_t> active,
+                       View<const std::uint8_t> state, View<const float> values,
+                       View<const std::uint32_t> starts, View<std::uint32_t> nodes) override;
+  std::uint32_t relabel_sweep(const BrickView& bricks, View<const std::uint8_t> simple,
+                              View<const float> values, float threshold,
+                              View<const std::uint32_t> nodes, View<std::uint8_t> state,
+                              View<std::uint32_t> left) override;
+  void relabel_mark(View<const std::uint32_t> nodes, std::uint8_t mark,
+                    View<std::uint8_t> marks) override;
+  void relabel_find_marked(const BrickView& bricks, View<const std::uint8_t> marks,
+                           View<std::uint8_t> marked) override;
+  std::uint32_t lattice_mark_far(const BrickView& bricks, View<const std::uint8_t> active,
+                                 const Scale& scale, float limit, View<const std::uint8_t> state,
+                                 View<const float> values, View<std::uint8_t> marks) override;
+  void lattice_blend(const BrickView& bricks, View<const std::uint8_t> marks, float radius,
+                     float strength, bool smooth, View<const std::uint8_t> state,
+                     View<float> values) override;
+  std::uint32_t lattice_clamp(const BrickView& bricks, float least, View<const std::uint8_t> state,
+                              View<float> values) override;
+  void surface_count(const BrickView& bricks, View<const std::uint8_t> state,
+                     View<std::uint8_t> crossed, View<std::uint16_t> node_start,
+                     View<std::uint32_t> vertices, View<std::uint32_t> triangles) override;
+  void surface_emit(const BrickView& bricks, View<const std::uint8_t> state,
+                    View<const float> values, float margin, View<const std::uint8_t> crossed,
+                    View<const std::uint16_t> node_start, View<const std::uint32_t> vertex_start,
+                    View<const std::uint32_t> triangle_start, View<float> vertices,
+                    View<std::uint32_t> triangles) override;
+
  private:
+  void bring_to_host(void* handle, bool writes) override { memory_->bring_to_host(handle, writes); }
+
   template <class T>
   void fill_view(View<T> values, T value);
 
-  /// Queues `groups` work-groups of `items`; a view is passed as its memory and its first element.
+  /// Groups of passes over elements: groups of fold_items.
+  std::size_t groups_of(std::size_t elements) const {
+    const auto items = static_cast<std::size_t>(shape_.fold_items);
+    return (elements + items - 1) / items;
+  }
+
+  /// Queues `groups` work-groups of `items`; a view is passed as its memory and its first element,
+  /// an array as its entries.
   template <class... Arguments>
   void launch(const char* name, std::size_t groups, int items, const Arguments&... arguments) {
     if (groups == 0) return;
@@ -65,13 +170,24 @@ class OpenClBackend final : public PartialBackend {
     check(queue_.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(groups * items),
                                       cl::NDRange(items)),
           std::string(name) + " on " + device_name_);
+    ++launches_;
+    memory_->finish_loans();
+  }
+  template <class T>
+  cl_mem memory_of(const View<T>& view) {
+    return memory_->on_device(view.handle, (view.offset + view.size) * sizeof(T),
+                              !std::is_const_v<T>);
   }
   template <class T>
   void set(cl::Kernel& kernel, cl_uint& index, const View<T>& view) {
-    const auto memory = static_cast<cl_mem>(view.handle);
+    const cl_mem memory = memory_of(view);
     const cl_ulong first = view.offset;
     set_bytes(kernel, index++, sizeof(memory), &memory);
     set_bytes(kernel, index++, sizeof(first), &first);
+  }
+  template <class T, std::size_t n>
+  void set(cl::Kernel& kernel, cl_uint& index, const std::array<View<T>, n>& views) {
+    for (const View<T>& view : views) set(kernel, index, view);
   }
   template <class T>
   void set(cl::Kernel& kernel, cl_uint& index, const T& value) {
@@ -81,16 +197,28 @@ class OpenClBackend final : public PartialBackend {
     check(kernel.setArg(index, size, value), "setting an argument on " + device_name_);
   }
 
+  /// Counts of a pass's groups, and their sum.
+  View<std::uint32_t> counts_of(std::size_t count);
+  std::uint32_t sum_of_counts();
+
+  View<const CubeCase> cube_cases();
+
   cl::Device device_;
   std::string device_name_;
-  std::size_t largest_buffer_;
+  std::size_t largest_buffer_, global_memory_;
   cl::Context context_;
   cl::CommandQueue queue_;
   WorkShape shape_;
   std::optional<Programs> programs_;
-  std::size_t held_ = 0, peak_ = 0, limit_ = 0;
+  std::optional<DeviceMemory> memory_;
+  std::shared_ptr<Backend> workers_;
+  std::int64_t launches_ = 0;
+  std::uint32_t stages_;  ///< bit_of those that it offers
+  ByteAccount account_;
   Buffer<float> sums_;            // of reduce_sum
   Buffer<std::uint64_t> totals_;  // of exclusive_scan, a block an entry
+  Buffer<std::uint32_t> counts_;
+  Buffer<CubeCase> cube_cases_;
 };
 
 }  // namespace vasamesh

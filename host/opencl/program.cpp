@@ -4,7 +4,9 @@
 #include <cstring>
 #include <vector>
 
-#include "vasamesh/errors.h"
+#include "backend/device_failure.h"
+#include "opencl/constants.h"
+#include "opencl/wait.h"
 
 namespace vasamesh {
 
@@ -17,8 +19,8 @@ std::string_view text_of(std::span<const KernelSource> sources, std::string_view
 }
 
 std::string options_of(const cl::Device& device, const WorkShape& shape) {
-  std::string options = "-cl-std=CL1.2";
-  if (device.getInfo<CL_DEVICE_SINGLE_FP_CONFIG>() & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT)
+  std::string options = "-cl-std=CL1.2 -w";
+  if (ask<CL_DEVICE_SINGLE_FP_CONFIG>(device) & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT)
     options += " -cl-fp32-correctly-rounded-divide-sqrt";
   const auto define = [&options](const char* name, int value) {
     options += std::string(" -D") + name + "=" + std::to_string(value);
@@ -28,16 +30,16 @@ std::string options_of(const cl::Device& device, const WorkShape& shape) {
   define("SCAN_RUN", shape.scan_run);
   define("FOLD_ITEMS", shape.fold_items);
   define("REDUCE_ITEMS", shape.reduce_items);
-  return options;
+  return options + kernel_constants();
 }
 
 /// What a built program depends on.
 std::string key_of(const cl::Device& device, const std::string& options,
                    const std::string& source) {
-  const cl::Platform platform(device.getInfo<CL_DEVICE_PLATFORM>());
-  return platform.getInfo<CL_PLATFORM_VERSION>() + "\n" + device.getInfo<CL_DEVICE_NAME>() + "\n" +
-         device.getInfo<CL_DEVICE_VERSION>() + "\n" + device.getInfo<CL_DRIVER_VERSION>() + "\n" +
-         options + "\n" + source;
+  const cl::Platform platform(ask<CL_DEVICE_PLATFORM>(device));
+  return ask<CL_PLATFORM_VERSION>(platform) + "\n" + ask<CL_DEVICE_NAME>(device) + "\n" +
+         ask<CL_DEVICE_VERSION>(device) + "\n" + ask<CL_DRIVER_VERSION>(device) + "\n" + options +
+         "\n" + source;
 }
 
 /// A log on one line, cut where it is long.
@@ -66,11 +68,18 @@ Programs::Programs(cl::Context context, cl::Device device, const WorkShape& shap
 
 cl::Kernel& Programs::kernel(const std::string& name) {
   if (const auto found = kernels_.find(name); found != kernels_.end()) return found->second;
-  const std::string file = name.substr(0, name.find('_')) + ".cl";
+  const std::string file = file_of(name);
   cl_int status = CL_SUCCESS;
   cl::Kernel kernel(program(file), name.c_str(), &status);
   check(status, "taking kernel " + name + " from " + file);
   return kernels_.emplace(name, std::move(kernel)).first->second;
+}
+
+std::string Programs::file_of(const std::string& kernel) const {
+  const std::string definition = "void " + kernel + "(";
+  for (const KernelSource& source : sources_)
+    if (source.text.find(definition) != std::string_view::npos) return std::string(source.file);
+  throw Error(ErrorCode::internal, "no kernel " + kernel + " in this build");
 }
 
 const cl::Program& Programs::program(const std::string& file) {
@@ -100,20 +109,28 @@ cl::Program Programs::from_cache(const std::string& key) const {
   if (!binary) return {};
   cl_int status = CL_SUCCESS;
   cl::Program program(context_, {device_}, {{binary->begin(), binary->end()}}, nullptr, &status);
-  if (status != CL_SUCCESS || program.build(device_, options_.c_str()) != CL_SUCCESS) return {};
+  if (status != CL_SUCCESS || build(program) != CL_SUCCESS) return {};
   return program;
+}
+
+cl_int Programs::build(const cl::Program& program) const {
+  const auto work = [program, device = device_, options = options_] {
+    return program.build(device, options.c_str());
+  };
+  return run_beside(work, checkpoint_);
 }
 
 cl::Program Programs::build(const std::string& file, const std::string& source) const {
   cl_int status = CL_SUCCESS;
   cl::Program program(context_, source, false, &status);
   check(status, "making a program of " + file);
-  const cl_int built = program.build(device_, options_.c_str());
+  const cl_int built = build(program);
   if (built == CL_SUCCESS) return program;
-  throw Error(built == CL_COMPILER_NOT_AVAILABLE ? ErrorCode::no_device : ErrorCode::internal,
-              file + " does not build for " + device_.getInfo<CL_DEVICE_NAME>() + ", " +
-                  status_name(built) + ", use --backend tbb; log: " +
-                  one_line(program.getBuildInfo<CL_PROGRAM_BUILD_LOG>(device_)));
+  throw DeviceFailure(
+      built == CL_COMPILER_NOT_AVAILABLE ? ErrorCode::no_device : ErrorCode::internal,
+      file + " does not build for " + device_.getInfo<CL_DEVICE_NAME>() + ", " +
+          status_name(built) + ", use --backend tbb; log: " +
+          one_line(program.getBuildInfo<CL_PROGRAM_BUILD_LOG>(device_)));
 }
 
 }  // namespace vasamesh

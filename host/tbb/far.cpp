@@ -5,26 +5,19 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <utility>
 #include <vector>
 
-#include "types/lattice_access.h"
+#include "stages/far_offsets.h"
 #include "tbb/tbb_backend.h"
+#include "types/lattice_access.h"
 #include "types/marching_cube.h"
 
 namespace vasamesh {
 
 namespace {
 
-constexpr std::size_t kGrain = 16;  // bricks a task takes
-constexpr int kNearReach = 3;       // nodes searched along each axis: for the surface near one
-constexpr int kFarReach = 6;        // nodes searched along each axis: for crossings and faces
-
-/// An offset in nodes and its length in voxel lengths.
-struct Reach {
-  int x, y, z;
-  float length;
-};
-
+constexpr std::size_t kGrain = 16;      // bricks a task takes
 using Position = std::array<float, 3>;  // nodes, from the brick's corner
 
 /// The states of a brick's nodes and of those up to four away; kMissing where there is none.
@@ -54,12 +47,10 @@ struct StateHalo {
   std::uint8_t values[kSide * kSide * kSide];
 };
 
-/// An offset at which the surface is looked for: as an index of the halo, and whether an edge of
-/// the lattice leads there.
+/// An offset at which the surface is looked for, and what it adds to an index of the halo.
 struct NearOffset {
-  Reach reach;
+  FarOffset reach;
   int index;
-  bool edge;
 };
 
 /// The tests on one lattice; lengths in voxel lengths.
@@ -68,19 +59,11 @@ class FarTest {
   FarTest(const BrickView& bricks, const Scale& scale, float limit, const std::uint8_t* state,
           const float* values)
       : bricks_(bricks), scale_(scale), limit_(limit), state_(state), values_(values) {
-    float longest = 0;
-    for (int d = 1; d < 8; ++d) {
-      const NodeOffset o = kLink[static_cast<std::size_t>(d - 1)];
-      edge_length_[static_cast<std::size_t>(d)] = length(o.x, o.y, o.z);
-      longest = std::max(longest, edge_length_[static_cast<std::size_t>(d)]);
-    }
-    search_ = offsets_within(limit + longest, kFarReach);
-    for (const Reach& o : offsets_within(std::max(limit, longest), kNearReach)) {
-      const int low = std::min({o.x, o.y, o.z}), high = std::max({o.x, o.y, o.z});
-      const bool edge = (low >= 0 && high == 1) || (high <= 0 && low == -1);
-      if (edge || o.length <= limit)
-        near_.push_back({o, StateHalo::at(o.x, o.y, o.z) - StateHalo::at(0, 0, 0), edge});
-    }
+    FarOffsets offsets = make_far_offsets(scale, limit);
+    edge_length_ = offsets.edge_length;
+    search_ = std::move(offsets.search);
+    for (const FarOffset& o : offsets.beside)
+      near_.push_back({o, StateHalo::at(o.x, o.y, o.z) - StateHalo::at(0, 0, 0)});
   }
 
   /// Marks the brick's nodes. \return how many are far.
@@ -160,29 +143,10 @@ class FarTest {
     return (own & kLabel) != (own >> 1 & 1) && crossings_are_far(node);
   }
 
-  float length(int x, int y, int z) const {
-    const float dx = 0.5f * scale_[0] * static_cast<float>(x),
-                dy = 0.5f * scale_[1] * static_cast<float>(y),
-                dz = 0.5f * scale_[2] * static_cast<float>(z);
-    return std::sqrt((dx * dx + dy * dy) + dz * dz);
-  }
-
   float square(const Position& a, const Position& b) const {
     const float dx = 0.5f * scale_[0] * (a[0] - b[0]), dy = 0.5f * scale_[1] * (a[1] - b[1]),
                 dz = 0.5f * scale_[2] * (a[2] - b[2]);
     return (dx * dx + dy * dy) + dz * dz;
-  }
-
-  /// Offsets of at most `most`, shortest first; ties in raster order.
-  std::vector<Reach> offsets_within(float most, int reach) const {
-    std::vector<Reach> offsets;
-    for (int z = -reach; z <= reach; ++z)
-      for (int y = -reach; y <= reach; ++y)
-        for (int x = -reach; x <= reach; ++x)
-          if (const float l = length(x, y, z); l <= most) offsets.push_back({x, y, z, l});
-    std::stable_sort(offsets.begin(), offsets.end(),
-                     [](const Reach& a, const Reach& b) { return a.length < b.length; });
-    return offsets;
   }
 
   bool differ(std::size_t a, std::size_t b) const {
@@ -204,9 +168,9 @@ class FarTest {
     for (const NearOffset& offset : near_) {
       const std::uint8_t other = own[offset.index];
       if (!((other ^ *own) & kLabel) || (other & StateHalo::kMissing)) continue;
-      const Reach& o = offset.reach;
+      const FarOffset& o = offset.reach;
       float distance = o.length;
-      if (offset.edge) {
+      if (o.edge) {
         const std::size_t end = node_at(node.near, node.x + o.x, node.y + o.y, node.z + o.z);
         distance *= crossing(node.index, end);
       }
@@ -225,7 +189,7 @@ class FarTest {
       const Position point = {static_cast<float>(node.x) + t * static_cast<float>(o.x),
                               static_cast<float>(node.y) + t * static_cast<float>(o.y),
                               static_cast<float>(node.z) + t * static_cast<float>(o.z)};
-      if (!face_centre_near(node, point, edge_length_[i % 7 + 1]) && !side_near(node, point))
+      if (!face_centre_near(node, point, edge_length_[i % 7]) && !side_near(node, point))
         return true;
     }
     return false;
@@ -233,7 +197,7 @@ class FarTest {
 
   /// Whether a face centre lies within the limit of a point at most `away` from the node.
   bool face_centre_near(const Node& node, const Position& point, float away) const {
-    for (const Reach& o : search_) {
+    for (const FarOffset& o : search_) {
       if (o.length > limit_ + away) return false;
       const int x = node.x + o.x, y = node.y + o.y, z = node.z + o.z;
       const std::size_t other = node_at(node.near, x, y, z);
@@ -310,7 +274,7 @@ class FarTest {
   /// Where the surface crosses the edges of the nodes near a node.
   std::vector<Position> crossings_round(const Node& node) const {
     std::vector<Position> found;
-    for (const Reach& reach : search_) {
+    for (const FarOffset& reach : search_) {
       const int x = node.x + reach.x, y = node.y + reach.y, z = node.z + reach.z;
       if (std::min({x, y, z}) < -7 || std::max({x, y, z}) > 14) continue;
       const std::size_t own = node_at(node.near, x, y, z);
@@ -333,9 +297,9 @@ class FarTest {
   float limit_;
   const std::uint8_t* state_;
   const float* values_;
-  std::array<float, 8> edge_length_{};
-  std::vector<Reach> search_;     ///< for crossings and faces
-  std::vector<NearOffset> near_;  ///< for the surface near a node
+  std::array<float, 7> edge_length_{};  ///< along bit masks 1..7
+  std::vector<FarOffset> search_;       ///< for crossings and faces
+  std::vector<NearOffset> near_;        ///< for the surface near a node
 };
 
 }  // namespace

@@ -115,7 +115,8 @@ void TbbBackend::relabel_collect(const BrickView& bricks, View<const std::uint8_
 
 std::uint32_t TbbBackend::relabel_sweep(const BrickView& bricks, View<const std::uint8_t> simple,
                                         View<const float> values, float threshold,
-                                        View<const std::uint32_t> nodes, View<std::uint8_t> state) {
+                                        View<const std::uint32_t> nodes, View<std::uint8_t> state,
+                                        View<std::uint32_t> left) {
   std::atomic<std::uint32_t> flips{0};
   for_each((nodes.size + kNodeGrain - 1) / kNodeGrain, 1, [&](std::size_t block) {
     const std::size_t end = std::min((block + 1) * kNodeGrain, nodes.size);
@@ -129,7 +130,24 @@ std::uint32_t TbbBackend::relabel_sweep(const BrickView& bricks, View<const std:
     }
     flips += flipped;
   });
-  return flips;
+  if (flips == 0) return static_cast<std::uint32_t>(nodes.size);
+  const std::uint32_t* end =
+      std::copy_if(nodes.data(), nodes.data() + nodes.size, left.data(),
+                   [&](std::uint32_t node) { return wrong(state[node], values[node]); });
+  return static_cast<std::uint32_t>(end - left.data());
+}
+
+void TbbBackend::relabel_mark(View<const std::uint32_t> nodes, std::uint8_t mark,
+                              View<std::uint8_t> marks) {
+  for (std::size_t i = 0; i < nodes.size; ++i) marks[nodes[i]] = mark;
+}
+
+void TbbBackend::relabel_find_marked(const BrickView& bricks, View<const std::uint8_t> marks,
+                                     View<std::uint8_t> marked) {
+  for_each(bricks.count, kGrain, [=](std::size_t brick) {
+    const std::uint8_t* own = marks.data() + kBrickCells * brick;
+    marked[brick] = std::any_of(own, own + kBrickCells, [](std::uint8_t m) { return m != 0; });
+  });
 }
 
 void TbbBackend::lattice_blend(const BrickView& bricks, View<const std::uint8_t> marks,

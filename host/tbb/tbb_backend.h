@@ -10,6 +10,7 @@
 #include <atomic>
 #include <memory>
 #include <mutex>
+#include <thread>
 #include <unordered_map>
 #include <vector>
 
@@ -19,15 +20,15 @@ namespace vasamesh {
 
 class TbbBackend final : public Backend {
  public:
-  TbbBackend(int threads, void* task_arena);
+  TbbBackend(int threads, void* task_arena, std::shared_ptr<ByteAccount> total);
   ~TbbBackend() override { give_back_kept(); }
 
   std::string name() const override { return "tbb"; }
   std::string device() const override;
   bool offers(Stage) const override { return true; }
-  std::size_t bytes_held() const override { return held_; }
-  std::size_t bytes_peak() const override { return peak_; }
-  void set_byte_limit(std::size_t bytes) override { limit_ = bytes; }
+  std::size_t bytes_held() const override { return account_.held(); }
+  std::size_t bytes_peak() const override { return account_.peak(); }
+  void set_byte_limit(std::size_t bytes) override { account_.set_limit(bytes); }
   void keep_memory(bool keep) override;
 
   void* allocate(std::size_t bytes) override;
@@ -106,7 +107,12 @@ class TbbBackend final : public Backend {
                        View<const std::uint32_t> starts, View<std::uint32_t> nodes) override;
   std::uint32_t relabel_sweep(const BrickView& bricks, View<const std::uint8_t> simple,
                               View<const float> values, float threshold,
-                              View<const std::uint32_t> nodes, View<std::uint8_t> state) override;
+                              View<const std::uint32_t> nodes, View<std::uint8_t> state,
+                              View<std::uint32_t> left) override;
+  void relabel_mark(View<const std::uint32_t> nodes, std::uint8_t mark,
+                    View<std::uint8_t> marks) override;
+  void relabel_find_marked(const BrickView& bricks, View<const std::uint8_t> marks,
+                           View<std::uint8_t> marked) override;
   std::uint32_t lattice_mark_far(const BrickView& bricks, View<const std::uint8_t> active,
                                  const Scale& scale, float limit, View<const std::uint8_t> state,
                                  View<const float> values, View<std::uint8_t> marks) override;
@@ -125,16 +131,21 @@ class TbbBackend final : public Backend {
                     View<std::uint32_t> triangles) override;
 
  private:
-  /// body(i) for i in 0 .. count - 1, in pieces of `grain`, on the arena's workers.
+  /// body(i) for i in 0 .. count - 1, in pieces of `grain`, on the arena's workers; a checkpoint
+  /// before each piece that the calling thread takes.
   template <class Body>
   void for_each(std::size_t count, std::size_t grain, const Body& body) {
     if (count == 0) return;
-    arena_->execute([&] {
-      tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, grain),
-                        [&](const tbb::blocked_range<std::size_t>& range) {
-                          for (std::size_t i = range.begin(); i != range.end(); ++i) body(i);
-                        });
-    });
+    const std::thread::id caller = std::this_thread::get_id();
+    const auto run_range = [&](const tbb::blocked_range<std::size_t>& range) {
+      const bool own = std::this_thread::get_id() == caller;
+      for (std::size_t i = range.begin(); i != range.end(); ++i) {
+        if (own && i % grain == 0) checkpoint();
+        body(i);
+      }
+    };
+    arena_->execute(
+        [&] { tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, grain), run_range); });
   }
 
   void give_back_kept();
@@ -144,8 +155,7 @@ class TbbBackend final : public Backend {
 
   std::unique_ptr<tbb::task_arena> own_arena_;
   tbb::task_arena* arena_;
-  std::atomic<std::size_t> held_{0}, peak_{0};
-  std::size_t limit_ = 0;
+  ByteAccount account_;
 
   std::mutex kept_mutex_;
   bool keep_ = false;

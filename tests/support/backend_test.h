@@ -33,6 +33,7 @@ class BackendTest : public ::testing::TestWithParam<std::string> {
     ASSERT_FALSE(backend_->device().empty());
   }
   Backend& backend() { return *backend_; }
+  const std::shared_ptr<Backend>& shared_backend() const { return backend_; }
 
  private:
   std::shared_ptr<Backend> backend_;

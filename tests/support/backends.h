@@ -12,7 +12,8 @@
 namespace vasamesh {
 
 /// "tbb"; "opencl_one_item" and "opencl_work_group", the two shapes of the OpenCL kernels, whatever
-/// the device would get by itself. The last two are absent in a build without OpenCL.
+/// the device would get by itself: the first works in the host's memory, as on a CPU, the second in
+/// memory of its own, as on a GPU. The last two are absent in a build without OpenCL.
 std::vector<std::string> backend_names();
 
 /// The backend of that name; null where it needs an OpenCL device and there is none.

@@ -68,8 +68,8 @@ inline BitVolume pack_plainly(Backend& backend, const DenseVolume& volume) {
   for (int a = 0; a < 3; ++a) bits.size[a] = (volume.size[a] + 2 * kPad + 7) / 8 * 8;
   bits.words_per_row = (bits.size[0] + 63) / 64;
   bits.words = Buffer<std::uint64_t>(backend, bits.view().word_count());
-  const View<std::uint64_t> words = bits.words.view();
-  std::fill_n(words.data(), words.size, 0);
+  const std::span<std::uint64_t> words = backend.on_host(bits.words.view());
+  std::fill(words.begin(), words.end(), 0);
   for (int z = 0; z < volume.size[2]; ++z)
     for (int y = 0; y < volume.size[1]; ++y)
       for (int x = 0; x < volume.size[0]; ++x)

@@ -1,0 +1,41 @@
+#include "opencl/constants.h"
+
+#include <array>
+#include <cstdio>
+
+#include "stages/gradient_table.h"
+#include "stages/jacobi.h"
+#include "stages/normals.h"
+#include "types/lattice.h"
+#include "types/volume.h"
+
+namespace vasamesh {
+
+namespace {
+
+std::string define(const char* name, int value) {
+  return std::string(" -D") + name + "=" + std::to_string(value);
+}
+
+/// To the last bit, in hexadecimal.
+std::string define(const char* name, float value) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%af", static_cast<double>(value));
+  return std::string(" -D") + name + "=" + text.data();
+}
+
+}  // namespace
+
+std::string kernel_constants() {
+  return define("THIN_PAD", kPad) + define("LATTICE_LABEL", kLabel) +
+         define("LATTICE_SOLID", kSolid) + define("LATTICE_FREE", kFree) +
+         define("LATTICE_FACE_CENTRE", kFaceCentre) + define("LATTICE_FAR_MARK", kFarMark) +
+         define("LATTICE_STUCK_MARK", kStuckMark) + define("NORMALS_REACH", kNeighbourReach) +
+         define("NORMALS_SAME_SHEET", kSameSheet) +
+         define("NORMALS_TANGENT_WEIGHT", kTangentWeight) +
+         define("NORMALS_NO_GRADIENT", kNoGradient) +
+         define("NORMALS_AGAINST_FACES", kAgainstFaces) + define("NORMALS_SPAN", kMaxGradientSpan) +
+         define("NORMALS_FRACTIONS", kFractions) + define("NORMALS_SWEEPS", kJacobiSweeps);
+}
+
+}  // namespace vasamesh

@@ -1,0 +1,93 @@
+#pragma once
+
+/// \file
+/// Memory that the host and an OpenCL device share. On a device that works in the host's own memory
+/// (a CPU) the host's allocation is the device's, and nothing is copied. Elsewhere each has its
+/// own, and the stale one is brought up to date when it is next looked at.
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "opencl/check.h"
+
+namespace vasamesh {
+
+class DeviceMemory {
+ public:
+  /// \param shared  the device works in the host's memory.
+  DeviceMemory(cl::Context context, cl::CommandQueue queue, std::string device, bool shared);
+  ~DeviceMemory();
+  DeviceMemory(const DeviceMemory&) = delete;
+  DeviceMemory& operator=(const DeviceMemory&) = delete;
+
+  /// What to call while the device is waited for.
+  void set_checkpoint(std::function<void()> checkpoint) { checkpoint_ = std::move(checkpoint); }
+
+  /// Waits for all that is queued, with checkpoints. \throws DeviceFailure
+  void wait();
+
+  /// The address of new memory on the host, and as much on the device. \throws Error refused.
+  void* allocate(std::size_t bytes);
+  void release(void* handle) noexcept;
+
+  /// The device's memory of an allocation, up to date, for a kernel that writes it or does not. An
+  /// address that allocate() has not given is lent to the device until finish_loans().
+  cl_mem on_device(void* handle, std::size_t bytes, bool writes);
+
+  /// Takes back what was lent, with what the queued kernel has written.
+  void finish_loans();
+
+  /// Brings the host's memory up to date, for the host to read, or to write.
+  void bring_to_host(void* handle, bool writes);
+
+  /// bring_to_host() of everything.
+  void settle();
+
+  void write(void* handle, std::size_t offset, const void* from, std::size_t bytes);
+  void read(const void* handle, std::size_t offset, void* to, std::size_t bytes);
+
+  /// Between the host's memory and the device's own, so far.
+  std::int64_t copies() const { return copies_; }
+  std::int64_t bytes_copied() const { return bytes_copied_; }
+
+ private:
+  struct Allocation {
+    cl_mem memory = nullptr;
+    std::size_t bytes = 0;
+    bool host_stale = false, device_stale = false;  // never when shared
+  };
+  struct Loan {
+    cl_mem memory;
+    void* address;
+    std::size_t bytes;
+    bool writes;
+  };
+
+  void give_back(void* handle, const Allocation& allocation);
+  void give_back_left();
+  cl_mem create(std::size_t bytes, cl_mem_flags flags, void* host);
+  cl_mem lend(void* address, std::size_t bytes, bool writes);
+  void copy_in(cl_mem memory, std::size_t offset, const void* from, std::size_t bytes);
+  void copy_out(cl_mem memory, std::size_t offset, void* to, std::size_t bytes);
+  void count_copy(std::size_t bytes);
+  void copy_to_host(void* handle, Allocation& allocation);
+  Allocation* find(const void* handle);
+
+  cl::Context context_;
+  cl::CommandQueue queue_;
+  std::string device_;
+  bool shared_;
+  std::unordered_map<const void*, Allocation> allocations_;  // by the host's address
+  std::vector<Loan> loans_;
+  std::function<void()> checkpoint_;
+  std::int64_t copies_ = 0, bytes_copied_ = 0;
+  bool idle_ = true;                                ///< nothing was queued since the last wait
+  std::vector<std::pair<void*, Allocation>> left_;  ///< released while commands may use it
+};
+
+}  // namespace vasamesh

@@ -1,0 +1,302 @@
+/// \file
+/// Homotopic relabelling of the cell lattice and the local repair of its field. Contracts:
+/// engine/backend/backend.h; bits: engine/types/lattice.h.
+
+static bool relabel_is_wrong(uchar state, float value) {
+  return ((state & LATTICE_LABEL) != 0) != (value > 0);
+}
+
+// --- Lists of nodes that want to flip. -------------------------------------------------------
+
+/// Bit x of each node of a row that may change and has a label that is not its value's sign.
+static uint relabel_row(global const uchar *state, global const float *values, size_t row) {
+  const int8 s = convert_int8(vload8(row, state));
+  const int8 label = (s & LATTICE_LABEL) != 0, inside = vload8(row, values) > 0.0f;
+  const int8 wants = (label ^ inside) & ((s & LATTICE_FREE) != 0);
+  const int8 bits = wants & (int8)(1, 2, 4, 8, 16, 32, 64, 128);
+  const int4 four = bits.lo | bits.hi;
+  return (four.x | four.y) | (four.z | four.w);
+}
+
+/// Every second bit, from bit 0 or 1 on.
+static uint relabel_half(uint bits, int colour) { return bits >> (colour & 1) & 0x55; }
+
+/// Whether a row holds nodes of a colour.
+static bool relabel_has_colour(int row, int colour) {
+  return (row & 1) == (colour >> 1 & 1) && (row >> 3 & 1) == colour >> 2;
+}
+
+kernel __attribute__((BRICK_GROUP)) void relabel_count(ulong bricks, VIEW(const uchar, active),
+                                                       VIEW(const uchar, state),
+                                                       VIEW(const float, values),
+                                                       VIEW(uint, counts)) {
+  BRICK_SHARED uint rows[BRICK_ROWS];
+  TAKE(active);
+  TAKE(state);
+  TAKE(values);
+  TAKE(counts);
+  const size_t brick = get_group_id(0);
+  const bool is_active = active[brick];
+  for (int row = get_local_id(0); row < BRICK_ROWS; row += BRICK_ITEMS)
+    rows[row] = is_active ? relabel_row(state, values, brick * BRICK_ROWS + row) : 0;
+  BRICK_SYNC();
+  for (int colour = get_local_id(0); colour < 8; colour += BRICK_ITEMS) {
+    uint count = 0;
+    for (int row = 0; row < BRICK_ROWS; ++row)
+      if (relabel_has_colour(row, colour)) count += popcount(relabel_half(rows[row], colour));
+    counts[colour * bricks + brick] = count;
+  }
+}
+
+kernel __attribute__((BRICK_GROUP)) void relabel_collect(ulong bricks, VIEW(const uchar, active),
+                                                         VIEW(const uchar, state),
+                                                         VIEW(const float, values),
+                                                         VIEW(const uint, starts),
+                                                         VIEW(uint, nodes)) {
+  BRICK_SHARED uint rows[BRICK_ROWS];
+  TAKE(active);
+  TAKE(state);
+  TAKE(values);
+  TAKE(starts);
+  TAKE(nodes);
+  const size_t brick = get_group_id(0);
+  if (!active[brick]) return;
+  for (int row = get_local_id(0); row < BRICK_ROWS; row += BRICK_ITEMS)
+    rows[row] = relabel_row(state, values, brick * BRICK_ROWS + row);
+  BRICK_SYNC();
+  for (int colour = get_local_id(0); colour < 8; colour += BRICK_ITEMS) {
+    uint next = starts[colour * bricks + brick];
+    for (int row = 0; row < BRICK_ROWS; ++row) {
+      if (!relabel_has_colour(row, colour)) continue;
+      for (uint bits = relabel_half(rows[row], colour); bits; bits &= bits - 1)
+        nodes[next++] = brick * BRICK_CELLS + 8 * row + (colour & 1) + (31 - clz(bits & -bits));
+    }
+  }
+}
+
+// --- Sweeps. ---------------------------------------------------------------------------------
+
+#define RELABEL_RUN (BRICK_CELLS / BRICK_ITEMS)  // listed nodes an item takes
+
+/// The labels of a node's 14 neighbours; a missing one takes part as outside.
+static uint relabel_link(global const int *neighbours, global const uchar *state, uint node) {
+  global const int *near = neighbours + (size_t)(node / BRICK_CELLS) * NEIGHBOURS;
+  const int x = node & 7, y = node >> 3 & 7, z = node >> 6 & 7;
+  const bool inner = x > 0 && x < 7 && y > 0 && y < 7 && z > 0 && z < 7;
+  uint labels = 0;
+  for (int i = 0; i < 14; ++i) {
+    const int3 o = link_offset(i);
+    const ulong other = inner ? (ulong)node + o.x + 8 * o.y + 64 * o.z
+                              : node_at(near, x + o.x, y + o.y, z + o.z);
+    if (other != NO_NODE) labels |= (state[other] & LATTICE_LABEL) << i;
+  }
+  return labels;
+}
+
+/// Flips; left[block] = how many of the block's nodes it leaves.
+kernel __attribute__((BRICK_GROUP)) void relabel_sweep(
+    float threshold, ulong count, VIEW(const int, neighbours), VIEW(const uchar, simple),
+    VIEW(const float, values), VIEW(const uint, nodes), VIEW(uchar, state), VIEW(uint, left)) {
+  BRICK_SHARED uint item_left[BRICK_ITEMS];
+  TAKE(neighbours);
+  TAKE(simple);
+  TAKE(values);
+  TAKE(nodes);
+  TAKE(state);
+  const size_t first = get_group_id(0) * BRICK_CELLS + get_local_id(0) * RELABEL_RUN;
+  uint rest = 0;
+  for (size_t i = first; i < min((ulong)first + RELABEL_RUN, count); ++i) {
+    const uint node = nodes[i];
+    const float value = values[node];
+    ++rest;
+    if (fabs(value) < threshold || !relabel_is_wrong(state[node], value)) continue;
+    if (!simple[relabel_link(neighbours, state, node)]) continue;
+    state[node] ^= LATTICE_LABEL;
+    --rest;
+  }
+  item_left[get_local_id(0)] = rest;
+  BRICK_SYNC();
+  if (get_local_id(0) != 0) return;
+  for (int i = 1; i < BRICK_ITEMS; ++i) rest += item_left[i];
+  left[left_first + get_group_id(0)] = rest;
+}
+
+/// The nodes that a sweep left, from starts[block] on.
+kernel __attribute__((BRICK_GROUP)) void relabel_compact(
+    ulong count, VIEW(const float, values), VIEW(const uchar, state), VIEW(const uint, nodes),
+    VIEW(const uint, starts), VIEW(uint, left)) {
+  BRICK_SHARED uint item_left[BRICK_ITEMS];
+  TAKE(values);
+  TAKE(state);
+  TAKE(nodes);
+  TAKE(left);
+  const size_t first = get_group_id(0) * BRICK_CELLS + get_local_id(0) * RELABEL_RUN;
+  const size_t end = min((ulong)first + RELABEL_RUN, count);
+  uint rest = 0;
+  for (size_t i = first; i < end; ++i) rest += relabel_is_wrong(state[nodes[i]], values[nodes[i]]);
+  item_left[get_local_id(0)] = rest;
+  BRICK_SYNC();
+  uint next = starts[starts_first + get_group_id(0)];
+  for (size_t i = 0; i < get_local_id(0); ++i) next += item_left[i];
+  for (size_t i = first; i < end; ++i)
+    if (relabel_is_wrong(state[nodes[i]], values[nodes[i]])) left[next++] = nodes[i];
+}
+
+// --- Repair. ---------------------------------------------------------------------------------
+
+kernel __attribute__((ELEMENT_GROUP)) void relabel_mark(ulong count, uchar mark,
+                                                        VIEW(const uint, nodes),
+                                                        VIEW(uchar, marks)) {
+  const size_t i = get_global_id(0);
+  if (i < count) marks[marks_first + nodes[nodes_first + i]] = mark;
+}
+
+/// A work-item a brick.
+kernel __attribute__((ELEMENT_GROUP)) void relabel_find_marked(ulong bricks,
+                                                               VIEW(const uchar, marks),
+                                                               VIEW(uchar, marked)) {
+  const size_t brick = get_global_id(0);
+  if (brick >= bricks) return;
+  marks += marks_first + brick * BRICK_CELLS;
+  uchar16 found = (uchar16)(0);
+  for (int i = 0; i < BRICK_CELLS / 16; ++i) found |= vload16(i, marks);
+  const uchar8 eight = found.lo | found.hi;
+  const uchar4 four = eight.lo | eight.hi;
+  marked[marked_first + brick] = ((four.x | four.y) | (four.z | four.w)) != 0;
+}
+
+/// Half the width of the tent along one axis: how far the voxel centres that take part lie from
+/// node `at`, and their weights. Centres are the odd nodes.
+typedef struct {
+  int count, first, step;
+  float weight[3];
+} RelabelTaps;
+
+static RelabelTaps relabel_taps(int at, bool smooth) {
+  RelabelTaps taps = {1, 0, 2, {1.0f, 0.0f, 0.0f}};
+  if (!(at & 1)) {
+    taps.count = 2;
+    taps.first = -1;
+    taps.weight[0] = taps.weight[1] = 0.5f;
+  } else if (smooth) {
+    taps.count = 3;
+    taps.first = -2;
+    taps.weight[0] = taps.weight[2] = 0.125f;
+    taps.weight[1] = 0.75f;
+  }
+  return taps;
+}
+
+/// The occupancy minus one half at a node: its zero set lies on the voxels' faces where they are
+/// flat; kept on the side of the solid's label when `keep`.
+static float relabel_solid_field(global const int *near, global const uchar *state, bool solid,
+                                 int x, int y, int z, bool smooth, bool keep) {
+  const float least = 0.03f;
+  const RelabelTaps tx = relabel_taps(x, smooth), ty = relabel_taps(y, smooth),
+                    tz = relabel_taps(z, smooth);
+  float sum = 0;
+  for (int k = 0; k < tz.count; ++k)
+    for (int j = 0; j < ty.count; ++j)
+      for (int i = 0; i < tx.count; ++i) {
+        const ulong voxel = node_at(near, x + tx.first + i * tx.step, y + ty.first + j * ty.step,
+                                    z + tz.first + k * tz.step);
+        const bool object = voxel == NO_NODE ? solid : (state[voxel] & LATTICE_SOLID) != 0;
+        if (object) sum += tx.weight[i] * (ty.weight[j] * tz.weight[k]);
+      }
+  const float field = sum - 0.5f;
+  if (!keep) return field;
+  if (solid) return field < least ? least : field;
+  return -least < field ? -least : field;
+}
+
+#define RELABEL_SPAN 24  // nodes of three bricks
+
+/// The marked nodes (bit x + 8) of row (y, z), each -8..15.
+static uint relabel_marks(global const int *near, global const uchar *marks, bool stuck, int y,
+                          int z) {
+  uint bits = 0;
+  for (int bx = -1; bx <= 1; ++bx) {
+    const ulong node = node_at(near, 8 * bx, y, z);
+    if (node == NO_NODE) continue;
+    for (int x = 0; x < 8; ++x) {
+      const uchar mark = marks[node + x];
+      bits |= (uint)(stuck ? mark == LATTICE_STUCK_MARK : mark != 0) << (8 * (bx + 1) + x);
+    }
+  }
+  return bits;
+}
+
+/// Square of the distance along x from a node to the nearest of a row's bits; large where there is
+/// none.
+static int relabel_nearest(uint bits, int x) {
+  const int at = x + 8;
+  const uint below = bits & ((2u << at) - 1), above = bits >> at;
+  int least = 1 << 10;
+  if (below) least = at - (31 - (int)clz(below));
+  if (above) least = min(least, 31 - (int)clz(above & -above));
+  return least * least;
+}
+
+kernel __attribute__((BRICK_GROUP)) void lattice_blend(
+    float radius, float strength, int smooth, VIEW(const int, neighbours), VIEW(const uchar, marked),
+    VIEW(const uchar, marks), VIEW(const uchar, state), VIEW(float, values)) {
+  BRICK_SHARED uint any_mark[RELABEL_SPAN * RELABEL_SPAN];
+  BRICK_SHARED uint stuck[RELABEL_SPAN * RELABEL_SPAN];
+  TAKE(marked);
+  TAKE(marks);
+  TAKE(state);
+  const size_t brick = get_group_id(0);
+  global const int *near = neighbours + neighbours_first + brick * NEIGHBOURS;
+  values += values_first + brick * BRICK_CELLS;
+  bool found = false;
+  for (int n = 0; n < NEIGHBOURS; ++n) found = found || (near[n] >= 0 && marked[near[n]]);
+  if (!found) return;
+  for (int i = get_local_id(0); i < RELABEL_SPAN * RELABEL_SPAN; i += BRICK_ITEMS) {
+    any_mark[i] = relabel_marks(near, marks, false, i % RELABEL_SPAN - 8, i / RELABEL_SPAN - 8);
+    stuck[i] = any_mark[i] ? relabel_marks(near, marks, true, i % RELABEL_SPAN - 8,
+                                           i / RELABEL_SPAN - 8)
+                           : 0;
+  }
+  BRICK_SYNC();
+  const int reach = (int)ceil(radius);
+  const float inverse = 1.0f / (radius * radius);
+  for (int cell = get_local_id(0); cell < BRICK_CELLS; cell += BRICK_ITEMS) {
+    const int x = cell & 7, y = cell >> 3 & 7, z = cell >> 6;
+    int least = 1 << 20;
+    bool keep = false;
+    for (int dz = -reach; dz <= reach; ++dz)
+      for (int dy = -reach; dy <= reach; ++dy) {
+        const int row = (y + dy + 8) + RELABEL_SPAN * (z + dz + 8), across = dy * dy + dz * dz;
+        if (any_mark[row] == 0) continue;
+        least = min(least, across + relabel_nearest(any_mark[row], x));
+        keep = keep || (float)(across + relabel_nearest(stuck[row], x)) < radius * radius;
+      }
+    const float rest = 1.0f - (float)least * inverse;
+    if (rest <= 0) continue;
+    const float blend = strength * (rest * rest);
+    const bool solid = (state[brick * BRICK_CELLS + cell] & LATTICE_SOLID) != 0;
+    values[cell] = (1.0f - blend) * values[cell] +
+                   blend * relabel_solid_field(near, state, solid, x, y, z, smooth, keep);
+  }
+}
+
+/// counts[brick]: of the free nodes that got a value of their label's sign.
+kernel __attribute__((BRICK_GROUP)) void lattice_clamp(float least, VIEW(const uchar, state),
+                                                       VIEW(float, values), VIEW(uint, counts)) {
+  BRICK_SHARED uint item_count[BRICK_ITEMS];
+  const size_t brick = get_group_id(0);
+  state += state_first + brick * BRICK_CELLS;
+  values += values_first + brick * BRICK_CELLS;
+  uint count = 0;
+  for (int cell = get_local_id(0); cell < BRICK_CELLS; cell += BRICK_ITEMS) {
+    const bool held = relabel_is_wrong(state[cell], values[cell]);
+    if (!held && values[cell] != 0) continue;
+    values[cell] = state[cell] & LATTICE_LABEL ? least : -least;
+    count += held && (state[cell] & LATTICE_FREE);
+  }
+  item_count[get_local_id(0)] = count;
+  BRICK_SYNC();
+  if (get_local_id(0) != 0) return;
+  for (int i = 1; i < BRICK_ITEMS; ++i) count += item_count[i];
+  counts[counts_first + brick] = count;
+}
