@@ -180,6 +180,11 @@ Result convert(const VolumeView& volume, const Parameters& parameters, Context& 
   Scheduler scheduler(context);
   for (const auto& backend : context.backends)
     backend->set_byte_limit(static_cast<std::size_t>(parameters.max_memory));
+  try {
+    return run_pipeline(volume, parameters, scheduler);
+  } catch (const DeviceFailure& failure) {
+    scheduler.fall_back(failure);
+  }
   return run_pipeline(volume, parameters, scheduler);
 }
 

@@ -6,10 +6,12 @@
 
 #include <chrono>
 #include <memory>
+#include <string>
 #include <string_view>
 #include <vector>
 
 #include "backend/backend.h"
+#include "backend/device_failure.h"
 #include "vasamesh/pipeline.h"
 #include "vasamesh/report.h"
 
@@ -20,14 +22,22 @@ class Scheduler {
   /// \pre the context's last backend offers every stage.
   /// \throws Error usage, when the context has no backend.
   explicit Scheduler(Context& context);
+  ~Scheduler();
+  Scheduler(const Scheduler&) = delete;
+  Scheduler& operator=(const Scheduler&) = delete;
 
   /// The backend that runs what no other offers.
   Backend& host() { return *context_.backends.back(); }
 
-  /// The first of the context's backends that offers the stage.
+  /// The first of the context's backends that offers the stage; after fall_back(), the host's.
   Backend& backend_for(Stage stage);
 
-  /// Tells the caller how far a phase is. \throws Error cancelled, when the caller wants to stop.
+  /// Ends the stage that failed, with the failure in its report. From now on everything runs on the
+  /// host's backend: the caller starts again from the input.
+  void fall_back(const DeviceFailure& failure);
+
+  /// Tells the caller how far a phase is; between two calls the backends' checkpoints tell it
+  /// again. \throws Error cancelled, when the caller wants to stop.
   void progress(std::string_view phase, double fraction);
 
   /// Begins a stage (ending the one before): its name for the report and for progress.
@@ -37,11 +47,18 @@ class Scheduler {
   std::vector<StageReport> take_reports() { return std::move(reports_); }
 
  private:
+  using Clock = std::chrono::steady_clock;
+
+  void checkpoint();
+
   Context& context_;
   Backend* running_ = nullptr;  ///< the backend of the last stage begun
   std::vector<StageReport> reports_;
-  std::chrono::steady_clock::time_point started_;
+  Clock::time_point started_, told_;
+  std::string phase_;  ///< as told last, with its fraction
+  double fraction_ = 0;
   bool open_ = false;
+  bool host_alone_ = false;
 };
 
 }  // namespace vasamesh

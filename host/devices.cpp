@@ -3,13 +3,12 @@
 #include <tbb/version.h>
 #include <unistd.h>
 
-#include <algorithm>
-#include <cctype>
 #include <cstdlib>
 #include <fstream>
 #include <thread>
 
 #include "backend/backend.h"
+#include "device_choice.h"
 #include "tbb/backend.h"
 #include "vasamesh/errors.h"
 #include "vasamesh/host.h"
@@ -45,45 +44,6 @@ DeviceInfo describe_cpu() {
   return info;
 }
 
-std::string lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
-
-std::string describe(const std::vector<DeviceInfo>& devices) {
-  std::string text;
-  for (const DeviceInfo& device : devices)
-    text += (text.empty() ? "" : ", ") + std::to_string(device.number) + " (" + device.backend +
-            ", " + device.type + ", " + device.name + ")";
-  return text.empty() ? "none" : text;
-}
-
-/// The devices whose number or type is `wanted`, or else whose name holds it, case ignored. Of one
-/// type it is the first.
-std::vector<DeviceInfo> matching(const std::vector<DeviceInfo>& devices,
-                                 const std::string& wanted) {
-  std::vector<DeviceInfo> found;
-  for (const DeviceInfo& device : devices)
-    if (std::to_string(device.number) == wanted || device.type == wanted) return {device};
-  std::copy_if(devices.begin(), devices.end(), std::back_inserter(found),
-               [&](const DeviceInfo& device) {
-                 return lower(device.name).find(wanted) != std::string::npos;
-               });
-  return found;
-}
-
-/// The one device that is asked for. \throws Error no_device, naming the choices.
-DeviceInfo choose(const std::vector<DeviceInfo>& devices, const std::string& wanted,
-                  const std::string& asked_by) {
-  const std::vector<DeviceInfo> found = matching(devices, lower(wanted));
-  if (found.size() == 1) return found[0];
-  throw Error(ErrorCode::no_device, asked_by + ": \"" + wanted + "\" fits " +
-                                        (found.empty() ? "no device" : "several devices") +
-                                        ": give the number or more of the name of one of " +
-                                        describe(found.empty() ? devices : found));
-}
-
 /// The devices that the named backend may run on; "auto" may use all. OpenCL's runtimes, which take
 /// a while to load, are asked only when one of theirs is meant.
 std::vector<DeviceInfo> devices_of(const std::string& backend) {
@@ -99,11 +59,12 @@ std::vector<DeviceInfo> devices_of(const std::string& backend) {
   return devices;
 }
 
-DeviceInfo choose(const ContextOptions& options) {
+DeviceInfo device_for(const ContextOptions& options) {
   const char* variable = std::getenv(kDeviceVariable);
   if (!options.device.empty())
-    return choose(devices_of(options.backend), options.device, "--device");
-  if (variable && *variable) return choose(devices_of(options.backend), variable, kDeviceVariable);
+    return choose_device(devices_of(options.backend), options.device, "--device");
+  if (variable && *variable)
+    return choose_device(devices_of(options.backend), variable, kDeviceVariable);
   return options.backend == "opencl" ? devices_of("opencl")[0] : describe_cpu();
 }
 
@@ -127,7 +88,7 @@ std::shared_ptr<Backend> open_opencl(int, std::shared_ptr<Backend>) {
 std::vector<DeviceInfo> list_devices() {
   std::vector<DeviceInfo> devices{describe_cpu()};
   for (DeviceInfo& device : list_opencl_devices()) {
-    device.number = static_cast<int>(devices.size());
+    ++device.number;
     devices.push_back(std::move(device));
   }
   return devices;
@@ -140,7 +101,7 @@ Context make_context(const ContextOptions& options) {
   if (options.threads < 0)
     throw Error(ErrorCode::usage, "--threads " + std::to_string(options.threads) +
                                       ": must be 0 (all of the machine's) or more");
-  const DeviceInfo device = choose(options);
+  const DeviceInfo device = device_for(options);
   Context context;
   const auto host = make_tbb_backend(options.threads, options.task_arena);
   if (device.backend == "opencl") context.backends.push_back(open_opencl(device.number - 1, host));

@@ -348,5 +348,24 @@ TEST(Compressed, SeveralGzipMembersAndPadding) {
   EXPECT_EQ(read_segmentation(scratch / "a.nii.gz").voxels, (Mask{0, 1, 1, 0, 0, 1}));
 }
 
+TEST(Reading, StopsWhenItIsToldTo) {
+  const Scratch folder;
+  Segmentation segmentation;
+  segmentation.geometry.size = {64, 64, 64};
+  segmentation.voxels.assign(64 * 64 * 64, 1);
+  const std::atomic<bool> cancel{true};
+  ReadOptions options;
+  options.cancel = &cancel;
+  for (const char* name : {"full.nii.gz", "full.mha", "full.nrrd"}) {
+    write_segmentation(folder / name, segmentation);
+    try {
+      read_segmentation(folder / name, options);
+      ADD_FAILURE() << name << " was read";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::cancelled) << error.what();
+    }
+  }
+}
+
 }  // namespace
 }  // namespace vasamesh

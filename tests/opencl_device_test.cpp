@@ -6,24 +6,14 @@
 #include <string>
 
 #include "backend/backend.h"
+#include "device_choice.h"
 #include "opencl/backend.h"
+#include "support/environment.h"
 #include "vasamesh/errors.h"
 #include "vasamesh/host.h"
 
 namespace vasamesh {
 namespace {
-
-/// Sets an environment variable for one test.
-class Variable {
- public:
-  Variable(const char* name, const std::string& value) : name_(name) {
-    setenv(name, value.c_str(), 1);
-  }
-  ~Variable() { unsetenv(name_); }
-
- private:
-  const char* name_;
-};
 
 ContextOptions asked(const std::string& backend, const std::string& device = "") {
   ContextOptions options;
@@ -104,6 +94,50 @@ TEST_F(Devices, NumberTypeAndNameChoose) {
   EXPECT_EQ(first_backend(asked("auto", "0")), "tbb");
   EXPECT_EQ(first_backend(asked("auto", "CPU")), "tbb");
   EXPECT_EQ(first_backend(asked("tbb", list_devices()[0].name)), "tbb");
+}
+
+/// Two of one name, one whose name holds the other's number, a second CPU.
+std::vector<DeviceInfo> made_up_devices() {
+  const auto device = [](int number, const char* type, const char* name) {
+    DeviceInfo info;
+    info.number = number;
+    info.backend = number == 0 ? "tbb" : "opencl";
+    info.type = type;
+    info.name = name;
+    return info;
+  };
+  return {device(0, "cpu", "Xeon 3"), device(1, "gpu", "Tesla T4"), device(3, "gpu", "Tesla T4"),
+          device(4, "cpu", "Xeon"), device(5, "accelerator", "Phi of cpu 9")};
+}
+
+TEST(DeviceChoice, NumberThenTypeThenName) {
+  const auto chosen = [](const char* wanted) {
+    return choose_device(made_up_devices(), wanted, "--device").number;
+  };
+  EXPECT_EQ(chosen("3"), 3) << "a number, though a name holds it";
+  EXPECT_EQ(chosen("cpu"), 0) << "the first of the type, though a name holds it";
+  EXPECT_EQ(chosen("GPU"), 1);
+  EXPECT_EQ(chosen("accelerator"), 5);
+  EXPECT_EQ(chosen("PHI"), 5);
+  EXPECT_EQ(chosen("xeon 3"), 0);
+}
+
+TEST(DeviceChoice, SeveralOrNoneAreRefused) {
+  const auto message = [](const char* wanted) -> std::string {
+    try {
+      choose_device(made_up_devices(), wanted, "VASAMESH_DEVICE");
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::no_device);
+      return error.what();
+    }
+    return "";
+  };
+  const std::string several = message("tesla");
+  EXPECT_NE(several.find("VASAMESH_DEVICE: \"tesla\" fits several"), std::string::npos) << several;
+  EXPECT_NE(several.find("1 (opencl, gpu, Tesla T4), 3 (opencl"), std::string::npos) << several;
+  EXPECT_EQ(several.find("Phi"), std::string::npos) << several;
+  EXPECT_NE(message("2").find("fits no device"), std::string::npos) << "a gap in the numbers";
+  EXPECT_NE(message("-1").find("fits no device"), std::string::npos);
 }
 
 TEST_F(Devices, VariableIsTheDefault) {

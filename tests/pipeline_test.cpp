@@ -240,14 +240,15 @@ TEST(PipelineSpace, RasIsAChangeOfSign) {
     ASSERT_EQ(ras.mesh.vertices[i], (i % 3 < 2 ? -1 : 1) * lps.mesh.vertices[i]) << i;
 }
 
-/// What progress told: (phase, fraction) in order.
+/// What progress told: (phase, fraction) in order, without what it told again.
 using Told = std::vector<std::pair<std::string, double>>;
 
 Told progress_of(const Phantom& phantom) {
   Told told;
   Context watching = make_threads(2);
   watching.progress = [&](std::string_view phase, double fraction) {
-    told.emplace_back(phase, fraction);
+    const Told::value_type word{phase, fraction};
+    if (told.empty() || told.back() != word) told.push_back(word);
     return true;
   };
   convert(phantom.view(), {}, watching);
@@ -290,12 +291,15 @@ TEST(PipelineProgress, FalseCancelsWhereverItIsSaid) {
   for (std::size_t stop = 0; stop < told.size(); ++stop) {
     SCOPED_TRACE(told[stop].first);
     Context stopping = make_threads(2);
-    std::size_t calls = 0;
-    stopping.progress = [&](std::string_view, double) { return calls++ < stop; };
+    bool said = false;
+    stopping.progress = [&](std::string_view phase, double fraction) {
+      EXPECT_FALSE(said) << "asked again";
+      said = told[stop] == Told::value_type{phase, fraction};
+      return !said;
+    };
     const Error error = error_of([&] { convert(phantom.view(), {}, stopping); });
     EXPECT_EQ(error.code(), ErrorCode::cancelled);
     EXPECT_NE(std::string(error.what()).find(told[stop].first), std::string::npos);
-    EXPECT_EQ(calls, stop + 1);
     EXPECT_EQ(stopping.backends.back()->bytes_held(), 0u);
   }
 }

@@ -43,6 +43,18 @@ class Backend : public Memory {
   /// volume to the next); false gives back what is kept. Backends may ignore it.
   virtual void keep_memory(bool /*keep*/) {}
 
+  // --- Stopping. ------------------------------------------------------------------------------
+
+  /// What passes and run() call now and then, on the thread that called them, with at most some
+  /// milliseconds of work between two calls; so do stages in loops of their own. What it throws
+  /// ends the pass and leaves undefined the views that it writes. Empty: nothing.
+  virtual void set_checkpoint(std::function<void()> checkpoint) {
+    checkpoint_ = std::move(checkpoint);
+  }
+  void checkpoint() const {
+    if (checkpoint_) checkpoint_();
+  }
+
   // --- The host's sight of a backend's memory. ------------------------------------------------
 
   /// The elements of a view, as the passes called before have left them. Passes called after see
@@ -302,6 +314,8 @@ class Backend : public Memory {
  private:
   /// on_host() for a whole allocation, which the host may write when `writes`.
   virtual void bring_to_host(void* /*handle*/, bool /*writes*/) {}
+
+  std::function<void()> checkpoint_;
 };
 
 }  // namespace vasamesh

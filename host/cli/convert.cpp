@@ -47,7 +47,8 @@ StageReport timed(const char* name, const Work& work) {
 void run_convert(const ConvertRequest& request) {
   catch_interrupts(true);
   check_request(request);
-  Context context = make_context(request.context);
+  // Lives as long as the program: to close a device means to wait for it, even when interrupted.
+  static Context& context = *new Context(make_context(request.context));
   Progress progress(request.quiet);
   context.cancel = &interrupted();
   context.progress = [&](std::string_view phase, double fraction) {
@@ -56,9 +57,11 @@ void run_convert(const ConvertRequest& request) {
   };
 
   Segmentation volume;
+  ReadOptions selection = request.read;
+  selection.cancel = &interrupted();
   progress.show("read", 0);
   const StageReport read =
-      timed("read", [&] { volume = read_segmentation(request.input, request.read); });
+      timed("read", [&] { volume = read_segmentation(request.input, selection); });
   stop_if_interrupted();
   Result result = convert(volume.view(), request.parameters, context);
   stop_if_interrupted();

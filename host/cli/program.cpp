@@ -4,6 +4,8 @@
 #include <tbb/global_control.h>
 
 #include <algorithm>
+#include <cstdio>
+#include <cstdlib>
 #include <new>
 #include <optional>
 #include <string>
@@ -16,6 +18,14 @@
 namespace vasamesh::cli {
 
 namespace {
+
+/// Leaves without taking the program down: a device may still be at work on what was cancelled, and
+/// its driver waits for it.
+[[noreturn]] void leave(int code) {
+  std::fflush(stdout);
+  std::fflush(stderr);
+  std::_Exit(code);
+}
 
 int report(ErrorCode code, std::string message) {
   std::replace(message.begin(), message.end(), '\n', ' ');
@@ -43,6 +53,7 @@ int guard(const Work& work) {
       throw Error(ErrorCode::refused, "standard output cannot be written: is the disk full?");
     return 0;
   } catch (const Error& error) {
+    if (error.code() == ErrorCode::cancelled) leave(report(error.code(), error.what()));
     if (error.code() != ErrorCode::internal) return report(error.code(), error.what());
     return report(ErrorCode::internal,
                   std::string(error.what()) + "; this is a fault of vasamesh, please report it");

@@ -74,6 +74,14 @@ void print_mesh(const MeshReport& mesh) {
   fmt::print("; {}\n", plural(mesh.attempts, "attempt", "attempts"));
 }
 
+/// A device that failed, so that the CPU finished.
+void print_failures(const std::vector<StageReport>& stages) {
+  for (const StageReport& stage : stages)
+    if (!stage.failure.empty())
+      fmt::print("{:<10}{} failed in {}: {}; done again on the CPU, with the same result\n",
+                 "Device", stage.device, stage.name, stage.failure);
+}
+
 void print_times(const std::vector<StageReport>& stages) {
   double total = 0;
   std::string parts;
@@ -116,6 +124,7 @@ void print_conversion(const std::string& input, const std::string& output, const
   if (report.parameters.surface == SurfaceKind::adaptive) print_mesh(report.mesh);
   fmt::print("{:<10}edge ratio {:.2f}, least angle {:.0f} degrees on average\n", "Quality",
              report.quality.edge_ratio.mean, report.quality.least_angle.mean);
+  print_failures(report.stages);
   print_times(report.stages);
 }
 

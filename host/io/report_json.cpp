@@ -78,7 +78,8 @@ Json to_json(const StageReport& stage) {
           {"backend", stage.backend},
           {"device", stage.device},
           {"seconds", stage.seconds},
-          {"bytes_held", stage.bytes_held}};
+          {"bytes_held", stage.bytes_held},
+          {"failure", stage.failure}};
 }
 
 Json to_json(const LevelReport& level) {

@@ -4,8 +4,10 @@
 #include <unistd.h>
 
 #include <filesystem>
+#include <memory>
 #include <new>
 #include <system_error>
+#include <utility>
 
 #include "io/file_ending.h"
 #include "io/io_error.h"
@@ -41,11 +43,31 @@ void check_memory(const std::string& path, std::int64_t bytes, const ReadOptions
       options.max_memory > 0 ? "raise --max-memory or crop the volume" : "crop the volume");
 }
 
+/// Pixels that come to an end when they are told to.
+class CancellablePixels final : public PixelSource {
+ public:
+  CancellablePixels(std::unique_ptr<PixelSource> pixels, const std::atomic<bool>& cancel)
+      : pixels_(std::move(pixels)), cancel_(cancel) {}
+
+  void visit(const ChunkVisitor& visitor) const override {
+    pixels_->visit([&](const PixelChunk& chunk) {
+      if (cancel_) throw Error(ErrorCode::cancelled, "cancelled during read");
+      visitor(chunk);
+    });
+  }
+
+ private:
+  std::unique_ptr<PixelSource> pixels_;
+  const std::atomic<bool>& cancel_;
+};
+
 Segmentation read(const std::string& path, const ReadOptions& options) {
-  const Volume volume = open_volume(path);
+  Volume volume = open_volume(path);
   const std::int64_t count = voxel_count(path, volume.geometry);
   check_geometry(path, volume.geometry);
   check_memory(path, count, options);
+  if (options.cancel)
+    volume.pixels = std::make_unique<CancellablePixels>(std::move(volume.pixels), *options.cancel);
   return {volume.geometry,
           select_object(path, *volume.pixels, static_cast<std::size_t>(count), options)};
 }

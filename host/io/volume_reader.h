@@ -6,6 +6,7 @@
 /// the DICOM slices, and writes; other voxels are streamed once, to the checksum of a compressed
 /// file, and selected as they come.
 
+#include <atomic>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -22,6 +23,7 @@ struct ReadOptions {
   bool any_label = false;               ///< voxels of any value but 0
   std::optional<double> threshold{};    ///< voxels of this value or above
   std::int64_t max_memory = 0;          ///< bytes that reading may hold; 0: the machine's memory
+  const std::atomic<bool>* cancel = nullptr;  ///< set it to stop; may be null
 };
 
 /// A binary segmentation and where it lies: one byte a voxel, 1 is object, i varies fastest.
@@ -43,6 +45,8 @@ struct Segmentation {
 ///         label, nothing selected, a folder that is not exactly one DICOM series.
 /// \throws Error usage, when more than one way of selection is asked for.
 /// \throws Error refused, when the volume needs more memory than allowed.
+/// \throws Error cancelled, at most some milliseconds after `cancel` was set, but for the time that
+///         ITK takes to read a DICOM series.
 Segmentation read_segmentation(const std::string& path, const ReadOptions& options = {});
 
 /// Writes a segmentation as uint8, compressed where the format can: .nii, .nii.gz, .mha, .nrrd.

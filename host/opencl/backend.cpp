@@ -5,9 +5,9 @@
 #include <utility>
 #include <vector>
 
+#include "backend/device_failure.h"
 #include "opencl/arithmetic.h"
 #include "opencl/opencl_backend.h"
-#include "vasamesh/errors.h"
 
 namespace vasamesh {
 
@@ -18,7 +18,7 @@ constexpr std::size_t kReduceLast = 8192;  // sums that one work-group adds
 std::size_t pieces(std::size_t count, std::size_t size) { return (count + size - 1) / size; }
 
 bool is_cpu(const cl::Device& device) {
-  return (device.getInfo<CL_DEVICE_TYPE>() & CL_DEVICE_TYPE_CPU) != 0;
+  return (ask<CL_DEVICE_TYPE>(device) & CL_DEVICE_TYPE_CPU) != 0;
 }
 
 WorkShape shape_for(const cl::Device& device, KernelShape wanted) {
@@ -29,6 +29,11 @@ WorkShape shape_for(const cl::Device& device, KernelShape wanted) {
 
 bool shares_memory(const cl::Device& device, DeviceCopies wanted) {
   return wanted == DeviceCopies::by_device ? is_cpu(device) : wanted == DeviceCopies::shared;
+}
+
+std::optional<ProgramCache> cache_for(const cl::Device& device, const std::string& folder) {
+  if (folder.empty() && keeps_programs(device)) return std::nullopt;
+  return ProgramCache(folder);
 }
 
 /// Turns block totals into the blocks' starts, in place. \return the sum of all.
@@ -49,51 +54,65 @@ std::shared_ptr<Backend> make_opencl_backend(const OpenClOptions& options) {
   if (options.device < 0 || static_cast<std::size_t>(options.device) >= devices.size())
     throw Error(ErrorCode::no_device, "no OpenCL device " + std::to_string(options.device) +
                                           " of " + std::to_string(devices.size()) +
-                                          ": see vasamesh devices");
+                                          ": see vasamesh devices, or use --backend tbb");
   const cl::Device& device = devices[static_cast<std::size_t>(options.device)];
-  return std::make_shared<OpenClBackend>(device, shape_for(device, options.shape),
-                                         shares_memory(device, options.copies),
-                                         ProgramCache(options.cache_folder), options.workers);
+  try {
+    return std::make_shared<OpenClBackend>(
+        device, shape_for(device, options.shape), shares_memory(device, options.copies),
+        cache_for(device, options.cache_folder), options.workers);
+  } catch (const DeviceFailure& failure) {
+    throw Error(ErrorCode::no_device, std::string("the OpenCL device cannot be opened: ") +
+                                          failure.what() + "; see vasamesh devices");
+  }
 }
 
 OpenClBackend::OpenClBackend(cl::Device device, const WorkShape& shape, bool shared_memory,
-                             ProgramCache cache, std::shared_ptr<Backend> workers)
+                             std::optional<ProgramCache> cache, std::shared_ptr<Backend> workers)
     : device_(std::move(device)),
-      device_name_(device_.getInfo<CL_DEVICE_NAME>()),
-      largest_buffer_(device_.getInfo<CL_DEVICE_MAX_MEM_ALLOC_SIZE>()),
+      device_name_(ask<CL_DEVICE_NAME>(device_)),
+      largest_buffer_(ask<CL_DEVICE_MAX_MEM_ALLOC_SIZE>(device_)),
       shape_(shape),
       workers_(std::move(workers)) {
+  if (const std::string lack = lacks(device_, shape_); !lack.empty())
+    throw DeviceFailure(ErrorCode::no_device,
+                        device_name_ + " " + lack + ": choose another, or use --backend tbb");
   cl_int status = CL_SUCCESS;
   context_ = cl::Context(device_, nullptr, nullptr, nullptr, &status);
-  if (status == CL_SUCCESS) queue_ = cl::CommandQueue(context_, device_, 0, &status);
-  if (status != CL_SUCCESS)
-    throw Error(ErrorCode::no_device, "OpenCL device " + device_name_ + " cannot be opened, " +
-                                          status_name(status) +
-                                          ": choose another (see vasamesh devices), or use "
-                                          "--backend tbb");
+  check(status, "a context on " + device_name_);
+  queue_ = cl::CommandQueue(context_, device_, 0, &status);
+  check(status, "a queue on " + device_name_);
   programs_.emplace(context_, device_, shape_, std::move(cache));
   memory_.emplace(context_, queue_, device_name_, shared_memory);
   if (!arithmetic_as_specified(context_, queue_, *programs_))
-    throw Error(ErrorCode::no_device,
-                "OpenCL device " + device_name_ +
-                    " contracts products or drops sub-normal numbers, so that its surfaces would "
-                    "differ from other devices': choose another, or use --backend tbb");
+    throw DeviceFailure(ErrorCode::no_device,
+                        device_name_ +
+                            " contracts products or drops sub-normal numbers, so that "
+                            "its surfaces would differ from other devices': choose "
+                            "another, or use --backend tbb");
 }
 
 void* OpenClBackend::allocate(std::size_t bytes) {
   const std::size_t held = held_ + bytes;
   if (limit_ && held > limit_)
-    throw Error(ErrorCode::refused, "the conversion needs more memory than --max-memory allows (" +
-                                        std::to_string(held) + " of " + std::to_string(limit_) +
-                                        " bytes): allow more, or convert a part of the volume");
+    throw DeviceFailure(ErrorCode::refused,
+                        "the conversion needs more memory than --max-memory allows (" +
+                            std::to_string(held) + " of " + std::to_string(limit_) +
+                            " bytes): allow more, or convert a part of the volume");
   if (bytes > largest_buffer_)
-    throw Error(ErrorCode::refused, device_name_ + " gives buffers of at most " +
-                                        std::to_string(largest_buffer_) + " bytes, not " +
-                                        std::to_string(bytes) + ": use --backend tbb");
+    throw DeviceFailure(ErrorCode::refused, device_name_ + " gives buffers of at most " +
+                                                std::to_string(largest_buffer_) + " bytes, not " +
+                                                std::to_string(bytes) + ": use --backend tbb");
   void* handle = memory_->allocate(bytes);
   held_ = held;
   peak_ = std::max(peak_, held);
   return handle;
+}
+
+void OpenClBackend::set_checkpoint(std::function<void()> checkpoint) {
+  memory_->set_checkpoint(checkpoint);
+  programs_->set_checkpoint(checkpoint);
+  if (workers_) workers_->set_checkpoint(checkpoint);
+  Backend::set_checkpoint(std::move(checkpoint));
 }
 
 void OpenClBackend::release(void* handle, std::size_t bytes) noexcept {
@@ -110,7 +129,7 @@ void OpenClBackend::read(const void* handle, std::size_t offset, void* to, std::
 }
 
 void OpenClBackend::run(std::size_t tasks, const std::function<void(std::size_t)>& task) {
-  check(queue_.finish(), "waiting for " + device_name_);
+  memory_->wait();
   if (workers_)
     workers_->run(tasks, task);
   else

@@ -28,18 +28,19 @@ enum class DeviceCopies {
 };
 
 struct OpenClOptions {
-  int device = 0;  ///< an index into list_opencl_devices()
+  int device = 0;  ///< a number of list_opencl_devices()
   KernelShape shape = KernelShape::by_device;
   DeviceCopies copies = DeviceCopies::by_device;
-  /// Where built programs are kept; empty: $XDG_CACHE_HOME/vasamesh or ~/.cache/vasamesh. A folder
-  /// that cannot be written costs a build each time, no error.
+  /// Where built programs are kept; empty: $XDG_CACHE_HOME/vasamesh or ~/.cache/vasamesh, and
+  /// nowhere on platforms that keep them themselves. A folder that cannot be written costs a build
+  /// each time, no error.
   std::string cache_folder;
   /// Runs the host's part of stages; null: the calling thread does.
   std::shared_ptr<Backend> workers;
 };
 
-/// The OpenCL devices of all platforms, in the loader's order, numbered from 0. Empty where there
-/// is no platform.
+/// The OpenCL devices of all platforms that are ready and have a compiler, numbered from 0 in the
+/// loader's order, where devices that are not leave gaps. Empty where there is no platform.
 std::vector<DeviceInfo> list_opencl_devices();
 
 /// Opens a device. Its passes may be called from one thread at a time.

@@ -1,6 +1,6 @@
 #include "opencl/check.h"
 
-#include "vasamesh/errors.h"
+#include "backend/device_failure.h"
 
 namespace vasamesh {
 
@@ -86,7 +86,7 @@ std::string status_name(cl_int status) {
 void check(cl_int status, const std::string& what) {
   if (status == CL_SUCCESS) return;
   const ErrorCode code = code_of(status);
-  throw Error(code, what + " failed with " + status_name(status) + remedy(code));
+  throw DeviceFailure(code, what + " failed with " + status_name(status) + remedy(code));
 }
 
 }  // namespace vasamesh

@@ -4,6 +4,7 @@
 #include <new>
 #include <utility>
 
+#include "opencl/wait.h"
 #include "vasamesh/errors.h"
 
 namespace vasamesh {
@@ -21,11 +22,20 @@ DeviceMemory::DeviceMemory(cl::Context context, cl::CommandQueue queue, std::str
       device_(std::move(device)),
       shared_(shared) {}
 
+/// What the device may still use when it does not answer any more is never freed.
 DeviceMemory::~DeviceMemory() {
   for (const Loan& loan : loans_) clReleaseMemObject(loan.memory);
+  if (!left_.empty() && queue_.finish() == CL_SUCCESS) give_back_left();
+}
+
+void DeviceMemory::wait() {
+  wait_for(queue_, checkpoint_, device_);
+  idle_ = true;
+  give_back_left();
 }
 
 void* DeviceMemory::allocate(std::size_t bytes) {
+  if (!left_.empty()) wait();
   void* host = ::operator new(bytes, kPage, std::nothrow);
   if (!host)
     throw Error(ErrorCode::refused,
@@ -40,30 +50,53 @@ void* DeviceMemory::allocate(std::size_t bytes) {
   return host;
 }
 
-/// Commands that are queued may still use the memory.
+/// Commands that are queued may still use memory that is shared: it is kept until a wait is over.
 void DeviceMemory::release(void* handle) noexcept {
   const auto found = allocations_.find(handle);
-  if (shared_) queue_.finish();
-  clReleaseMemObject(found->second.memory);
+  const Allocation allocation = found->second;
   allocations_.erase(found);
+  if (shared_ && !idle_)
+    left_.emplace_back(handle, allocation);
+  else
+    give_back(handle, allocation);
+}
+
+void DeviceMemory::give_back(void* handle, const Allocation& allocation) {
+  clReleaseMemObject(allocation.memory);
   ::operator delete(handle, kPage);
+}
+
+void DeviceMemory::give_back_left() {
+  for (const auto& [handle, allocation] : left_) give_back(handle, allocation);
+  left_.clear();
 }
 
 cl_mem DeviceMemory::on_device(void* handle, std::size_t bytes, bool writes) {
   if (!handle) return nullptr;
+  idle_ = false;
   Allocation* own = find(handle);
   if (!own) return lend(handle, bytes, writes);
   if (shared_) return own->memory;
-  if (own->device_stale)
+  if (own->device_stale) {
+    wait();
     check(clEnqueueWriteBuffer(queue_(), own->memory, CL_TRUE, 0, own->bytes, handle, 0, nullptr,
                                nullptr),
           "copying " + std::to_string(own->bytes) + " bytes to " + device_);
+  }
   own->device_stale = false;
   own->host_stale |= writes;
   return own->memory;
 }
 
+/// What is not ours may be freed once we return: there is no leaving before the end.
 void DeviceMemory::finish_loans() {
+  if (loans_.empty()) return;
+  try {
+    wait();
+  } catch (...) {
+    queue_.finish();
+    throw;
+  }
   for (const Loan& loan : loans_) {
     if (loan.writes && !shared_)
       check(clEnqueueReadBuffer(queue_(), loan.memory, CL_TRUE, 0, loan.bytes, loan.address, 0,
@@ -75,7 +108,7 @@ void DeviceMemory::finish_loans() {
 }
 
 void DeviceMemory::bring_to_host(void* handle, bool writes) {
-  check(queue_.finish(), "waiting for " + device_);
+  wait();
   Allocation* own = shared_ ? nullptr : find(handle);
   if (!own) return;
   copy_to_host(handle, *own);
@@ -83,7 +116,7 @@ void DeviceMemory::bring_to_host(void* handle, bool writes) {
 }
 
 void DeviceMemory::settle() {
-  check(queue_.finish(), "waiting for " + device_);
+  wait();
   if (shared_) return;
   for (auto& [handle, own] : allocations_) {
     copy_to_host(const_cast<void*>(handle), own);
@@ -96,6 +129,7 @@ void DeviceMemory::write(void* handle, std::size_t offset, const void* from, std
   if (!own || (!shared_ && !own->host_stale))
     std::memcpy(static_cast<std::byte*>(handle) + offset, from, bytes);
   if (!own || own->device_stale) return;
+  wait();
   check(clEnqueueWriteBuffer(queue_(), own->memory, CL_TRUE, offset, bytes, from, 0, nullptr,
                              nullptr),
         "copying " + std::to_string(bytes) + " bytes to " + device_);
@@ -107,6 +141,7 @@ void DeviceMemory::read(const void* handle, std::size_t offset, void* to, std::s
     std::memcpy(to, static_cast<const std::byte*>(handle) + offset, bytes);
     return;
   }
+  wait();
   check(clEnqueueReadBuffer(queue_(), own->memory, CL_TRUE, offset, bytes, to, 0, nullptr, nullptr),
         "copying " + std::to_string(bytes) + " bytes from " + device_);
 }

@@ -6,8 +6,10 @@
 /// own, and the stale one is brought up to date when it is next looked at.
 
 #include <cstddef>
+#include <functional>
 #include <string>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "opencl/check.h"
@@ -19,6 +21,14 @@ class DeviceMemory {
   /// \param shared  the device works in the host's memory.
   DeviceMemory(cl::Context context, cl::CommandQueue queue, std::string device, bool shared);
   ~DeviceMemory();
+  DeviceMemory(const DeviceMemory&) = delete;
+  DeviceMemory& operator=(const DeviceMemory&) = delete;
+
+  /// What to call while the device is waited for.
+  void set_checkpoint(std::function<void()> checkpoint) { checkpoint_ = std::move(checkpoint); }
+
+  /// Waits for all that is queued, with checkpoints. \throws DeviceFailure
+  void wait();
 
   /// The address of new memory on the host, and as much on the device. \throws Error refused.
   void* allocate(std::size_t bytes);
@@ -53,6 +63,8 @@ class DeviceMemory {
     bool writes;
   };
 
+  void give_back(void* handle, const Allocation& allocation);
+  void give_back_left();
   cl_mem create(std::size_t bytes, cl_mem_flags flags, void* host);
   cl_mem lend(void* address, std::size_t bytes, bool writes);
   void copy_to_host(void* handle, Allocation& allocation);
@@ -64,6 +76,9 @@ class DeviceMemory {
   bool shared_;
   std::unordered_map<const void*, Allocation> allocations_;  // by the host's address
   std::vector<Loan> loans_;
+  std::function<void()> checkpoint_;
+  bool idle_ = true;                                ///< nothing was queued since the last wait
+  std::vector<std::pair<void*, Allocation>> left_;  ///< released while commands may use it
 };
 
 }  // namespace vasamesh

@@ -20,14 +20,18 @@
 
 namespace vasamesh {
 
-/// The devices that list_opencl_devices() describes, in its order.
+/// All devices of all platforms; list_opencl_devices() numbers them so.
 std::vector<cl::Device> opencl_devices();
+
+/// What kernels of that shape need and the device has not, as "has work-groups of at most 1 item,
+/// not 64"; empty when it has everything. Kernels need no doubles.
+std::string lacks(const cl::Device& device, const WorkShape& shape);
 
 class OpenClBackend final : public Backend {
  public:
   /// \param workers  runs the tasks of run().
-  OpenClBackend(cl::Device device, const WorkShape& shape, bool shared_memory, ProgramCache cache,
-                std::shared_ptr<Backend> workers);
+  OpenClBackend(cl::Device device, const WorkShape& shape, bool shared_memory,
+                std::optional<ProgramCache> cache, std::shared_ptr<Backend> workers);
 
   std::string name() const override { return "opencl"; }
   std::string device() const override { return device_name_; }
@@ -39,6 +43,7 @@ class OpenClBackend final : public Backend {
   void* allocate(std::size_t bytes) override;
   void release(void* handle, std::size_t bytes) noexcept override;
   void settle() override { memory_->settle(); }
+  void set_checkpoint(std::function<void()> checkpoint) override;
   void write(void* handle, std::size_t offset, const void* from, std::size_t bytes) override;
   void read(const void* handle, std::size_t offset, void* to, std::size_t bytes) override;
 

@@ -10,6 +10,7 @@
 #include <atomic>
 #include <memory>
 #include <mutex>
+#include <thread>
 #include <unordered_map>
 #include <vector>
 
@@ -130,16 +131,21 @@ class TbbBackend final : public Backend {
                     View<std::uint32_t> triangles) override;
 
  private:
-  /// body(i) for i in 0 .. count - 1, in pieces of `grain`, on the arena's workers.
+  /// body(i) for i in 0 .. count - 1, in pieces of `grain`, on the arena's workers; a checkpoint
+  /// before each piece that the calling thread takes.
   template <class Body>
   void for_each(std::size_t count, std::size_t grain, const Body& body) {
     if (count == 0) return;
-    arena_->execute([&] {
-      tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, grain),
-                        [&](const tbb::blocked_range<std::size_t>& range) {
-                          for (std::size_t i = range.begin(); i != range.end(); ++i) body(i);
-                        });
-    });
+    const std::thread::id caller = std::this_thread::get_id();
+    const auto run_range = [&](const tbb::blocked_range<std::size_t>& range) {
+      const bool own = std::this_thread::get_id() == caller;
+      for (std::size_t i = range.begin(); i != range.end(); ++i) {
+        if (own && i % grain == 0) checkpoint();
+        body(i);
+      }
+    };
+    arena_->execute(
+        [&] { tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, grain), run_range); });
   }
 
   void give_back_kept();

@@ -28,8 +28,9 @@ struct Context {
   /// must offer every stage (make_context puts the oneTBB backend there).
   std::vector<std::shared_ptr<Backend>> backends;
 
-  /// Called between passes with the phase's name and its finished fraction, 0 to 1, from the
-  /// thread that called convert(). False cancels. May be empty.
+  /// Called with the phase's name and its finished fraction, 0 to 1, from the thread that called
+  /// convert(): when a phase gets on, and every ten milliseconds or so in between. False cancels:
+  /// convert() throws within 100 ms. May be empty.
   std::function<bool(std::string_view phase, double fraction)> progress;
 
   /// Set it from any thread, or from a signal handler, to cancel. May be null.

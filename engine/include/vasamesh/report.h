@@ -58,7 +58,9 @@ struct StageReport {
   std::string backend;
   std::string device;
   double seconds = 0;
-  std::int64_t bytes_held = 0;    ///< bytes held by the backend's buffers at the stage's end
+  std::int64_t bytes_held = 0;    ///< bytes held by the backends' buffers at the stage's end
+  std::string failure;            ///< of the device, after which the stages were run again on the
+                                  ///< CPU; empty when it did not fail
 };
 
 /// One level of the octree as it was solved.

@@ -1,0 +1,206 @@
+/// Drivers that fail: whatever call fails, a conversion ends with the same surface, finished by
+/// oneTBB and saying so, or the device is refused before the work by one clear error.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "opencl/backend.h"
+#include "phantom/phantom.h"
+#include "support/failing_opencl.h"
+#include "vasamesh/host.h"
+#include "vasamesh/pipeline.h"
+
+namespace vasamesh {
+namespace {
+
+namespace failing = failing_opencl;
+
+const Phantom& volume() {
+  static const Phantom phantom = [] {
+    PhantomOptions options;
+    options.radius = 2.0;
+    return make_phantom("sphere", options);
+  }();
+  return phantom;
+}
+
+Result convert_on(const std::string& backend) {
+  ContextOptions options;
+  options.backend = backend;
+  options.threads = 2;
+  Context context = make_context(options);
+  return convert(volume().view(), {}, context);
+}
+
+const TriangleMesh& wanted() {
+  static const TriangleMesh mesh = convert_on("tbb").mesh;
+  return mesh;
+}
+
+/// Whether a device failed; then the stages before and with the failing one are followed by a whole
+/// run on oneTBB.
+bool fell_back(const Report& report) {
+  std::vector<std::string> names;
+  bool failed = false;
+  for (const StageReport& stage : report.stages) {
+    if (failed) {
+      EXPECT_EQ(stage.backend, "tbb") << stage.name;
+      names.push_back(stage.name);
+    }
+    if (stage.failure.empty()) continue;
+    EXPECT_FALSE(failed) << "tried again after it had failed";
+    failed = true;
+  }
+  if (failed) {
+    EXPECT_EQ(names.front(), "input");
+    EXPECT_EQ(names.back(), "quality");
+  }
+  return failed;
+}
+
+/// What became of a conversion in which something failed.
+enum class Ending { unharmed, finished_on_tbb, refused };
+
+Ending convert_failing(std::size_t first, std::size_t count) {
+  wanted();
+  failing::fail(first, count);
+  Ending ending = Ending::refused;
+  try {
+    const Result result = convert_on("opencl");
+    EXPECT_EQ(result.mesh.vertices, wanted().vertices);
+    EXPECT_EQ(result.mesh.triangles, wanted().triangles);
+    ending = fell_back(result.report) ? Ending::finished_on_tbb : Ending::unharmed;
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::no_device) << error.what();
+    EXPECT_NE(std::string(error.what()).find("tbb"), std::string::npos) << error.what();
+  }
+  failing::reset();
+  return ending;
+}
+
+/// The calls of a conversion in which nothing fails, its programs in the cache.
+std::vector<failing::Call> calls_of_a_conversion() {
+  convert_on("opencl");
+  failing::reset();
+  convert_on("opencl");
+  return failing::calls();
+}
+
+bool harmless(const std::string& function) {
+  return function.starts_with("clRelease") || function.starts_with("clRetain") ||
+         function.starts_with("clGet") || function == "clFinish";
+}
+
+class OpenClFailure : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    failing::reset();
+    if (list_opencl_devices().empty()) GTEST_SKIP() << "no OpenCL device here";
+  }
+  void TearDown() override { failing::reset(); }
+};
+
+TEST_F(OpenClFailure, EveryCallSite) {
+  const std::vector<failing::Call> calls = calls_of_a_conversion();
+  std::set<std::pair<std::string, const void*>> seen;
+  std::set<Ending> endings;
+  for (std::size_t i = 0; i < calls.size(); ++i) {
+    if (!seen.insert({calls[i].function, calls[i].site}).second) continue;
+    SCOPED_TRACE(calls[i].function + ", call " + std::to_string(i));
+    const Ending ending = convert_failing(i, 1);
+    endings.insert(ending);
+    // What is only asked, kept or given back may fail unseen, as may a program from the cache.
+    if (!harmless(calls[i].function) && calls[i].function != "clCreateProgramWithBinary" &&
+        calls[i].function != "clBuildProgram") {
+      EXPECT_NE(ending, Ending::unharmed);
+    }
+  }
+  EXPECT_GT(seen.size(), 30u);
+  EXPECT_EQ(endings.size(), 3u);
+}
+
+TEST_F(OpenClFailure, TwoHundredCallsSpreadOverAConversion) {
+  const std::size_t calls = calls_of_a_conversion().size();
+  ASSERT_GT(calls, 200u);
+  std::set<Ending> endings;
+  for (std::size_t i = 0; i < 200; ++i) {
+    const std::size_t first = i * calls / 200;
+    const std::size_t count = i % 2 ? failing::kForEver : 1;
+    SCOPED_TRACE("call " + std::to_string(first) + (i % 2 ? " and all later ones" : ""));
+    endings.insert(convert_failing(first, count));
+  }
+  EXPECT_EQ(endings.count(Ending::finished_on_tbb), 1u);
+  EXPECT_EQ(endings.count(Ending::refused), 1u);
+}
+
+/// What make_context says when it refuses.
+std::string refusal(const ContextOptions& options) {
+  try {
+    make_context(options);
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::no_device) << error.what();
+    return error.what();
+  }
+  return "";
+}
+
+ContextOptions on_opencl() {
+  ContextOptions options;
+  options.backend = "opencl";
+  return options;
+}
+
+TEST_F(OpenClFailure, NoPlatformIsNoDevice) {
+  failing::fail(0, failing::kForEver);
+  EXPECT_TRUE(list_opencl_devices().empty());
+  EXPECT_EQ(list_devices().size(), 1u);
+  EXPECT_NE(refusal(on_opencl()).find("install a driver"), std::string::npos);
+  ContextOptions any;
+  EXPECT_EQ(refusal(any), "");
+}
+
+TEST_F(OpenClFailure, DeviceThatLacksSomethingIsRefusedByName) {
+  const std::string name = list_opencl_devices()[0].name;
+  const std::pair<cl_device_info, std::string> lacking[] = {
+      {CL_DEVICE_LOCAL_MEM_SIZE, "local memory"},
+      {CL_DEVICE_MAX_WORK_GROUP_SIZE, "work-groups"},
+      {CL_DEVICE_ENDIAN_LITTLE, "big-endian"}};
+  for (const auto& [property, word] : lacking) {
+    failing::reset();
+    failing::pretend(property, 0);
+    const std::string message = refusal(on_opencl());
+    EXPECT_NE(message.find(word), std::string::npos) << message;
+    EXPECT_NE(message.find(name), std::string::npos) << message;
+    EXPECT_NE(message.find("--backend tbb"), std::string::npos) << message;
+  }
+}
+
+TEST_F(OpenClFailure, DeviceThatIsNotReadyIsNotListed) {
+  for (const cl_device_info property : {CL_DEVICE_AVAILABLE, CL_DEVICE_COMPILER_AVAILABLE}) {
+    failing::reset();
+    failing::pretend(property, 0);
+    EXPECT_TRUE(list_opencl_devices().empty());
+  }
+}
+
+TEST_F(OpenClFailure, DeviceWithoutDoublesServes) {
+  failing::pretend(CL_DEVICE_DOUBLE_FP_CONFIG, 0);
+  EXPECT_FALSE(list_opencl_devices()[0].doubles);
+  EXPECT_EQ(convert_on("opencl").mesh.vertices, wanted().vertices);
+}
+
+TEST_F(OpenClFailure, DeviceWithLittleMemoryIsLeftForTheCpu) {
+  failing::pretend(CL_DEVICE_MAX_MEM_ALLOC_SIZE, 10000);
+  const Result result = convert_on("opencl");
+  EXPECT_TRUE(fell_back(result.report));
+  EXPECT_EQ(result.mesh.vertices, wanted().vertices);
+  EXPECT_EQ(result.mesh.triangles, wanted().triangles);
+}
+
+}  // namespace
+}  // namespace vasamesh

@@ -1,0 +1,118 @@
+#include "support/failing_opencl.h"
+
+#include <dlfcn.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <cstring>
+#include <mutex>
+#include <type_traits>
+
+namespace vasamesh::failing_opencl {
+
+namespace {
+
+struct State {
+  std::mutex mutex;
+  std::vector<Call> calls;
+  std::size_t first = kForEver, count = 0;
+  std::map<cl_device_info, cl_ulong> pretended;
+};
+
+State& state() {
+  static State state;
+  return state;
+}
+
+/// Notes a call. \return whether it is to fail.
+bool fails(const char* function, const void* site) {
+  State& s = state();
+  const std::scoped_lock lock(s.mutex);
+  const std::size_t index = s.calls.size();
+  s.calls.push_back({function, site});
+  return index >= s.first && index - s.first < s.count;
+}
+
+/// Puts what is pretended over an answer.
+void pretend_answer(cl_device_info property, std::size_t size, void* value) {
+  State& s = state();
+  const std::scoped_lock lock(s.mutex);
+  const auto found = s.pretended.find(property);
+  if (value && found != s.pretended.end())
+    std::memcpy(value, &found->second, std::min(size, sizeof(cl_ulong)));
+}
+
+/// The loader's own function.
+template <class Function>
+Function* next(const char* name) {
+  static void* const loader = dlopen("libOpenCL.so.1", RTLD_NOW);
+  void* const function = loader ? dlsym(loader, name) : nullptr;
+  if (!function) std::abort();
+  return reinterpret_cast<Function*>(function);
+}
+
+}  // namespace
+
+void fail(std::size_t first, std::size_t count) {
+  State& s = state();
+  const std::scoped_lock lock(s.mutex);
+  s.calls.clear();
+  s.pretended.clear();
+  s.first = first;
+  s.count = count;
+}
+
+void reset() { fail(kForEver, 0); }
+
+std::vector<Call> calls() {
+  State& s = state();
+  const std::scoped_lock lock(s.mutex);
+  return s.calls;
+}
+
+void pretend(cl_device_info property, cl_ulong value) {
+  State& s = state();
+  const std::scoped_lock lock(s.mutex);
+  s.pretended[property] = value;
+}
+
+}  // namespace vasamesh::failing_opencl
+
+using vasamesh::failing_opencl::fails;
+using vasamesh::failing_opencl::next;
+using vasamesh::failing_opencl::pretend_answer;
+
+// What keeps objects, gives them back or waits for their end happens in any case, so that no test
+// leaks, and a device that has failed does not work on.
+
+#define STATUS(name, parameters, arguments)                                    \
+  cl_int name parameters {                                                     \
+    static auto* const real = next<decltype(name)>(#name);                     \
+    if (fails(#name, __builtin_return_address(0))) return CL_OUT_OF_RESOURCES; \
+    return real arguments;                                                     \
+  }
+#define QUESTION(name, Object, Property)                                                   \
+  cl_int name(Object object, Property property, size_t size, void* value, size_t* wrote) { \
+    static auto* const real = next<decltype(name)>(#name);                                 \
+    if (fails(#name, __builtin_return_address(0))) return CL_OUT_OF_RESOURCES;             \
+    const cl_int status = real(object, property, size, value, wrote);                      \
+    if (std::is_same_v<Object, cl_device_id>) pretend_answer(property, size, value);       \
+    return status;                                                                         \
+  }
+#define COUNT(name, Object)                                                          \
+  cl_int name(Object object) {                                                       \
+    static auto* const real = next<decltype(name)>(#name);                           \
+    const cl_int status = real(object);                                              \
+    return fails(#name, __builtin_return_address(0)) ? CL_OUT_OF_RESOURCES : status; \
+  }
+#define OBJECT(Type, name, parameters, arguments)                          \
+  Type name parameters {                                                   \
+    static auto* const real = next<decltype(name)>(#name);                 \
+    if (!fails(#name, __builtin_return_address(0))) return real arguments; \
+    if (status) *status = CL_OUT_OF_RESOURCES;                             \
+    return nullptr;                                                        \
+  }
+
+extern "C" {
+#include "opencl/functions.def"
+}

@@ -1,0 +1,38 @@
+#pragma once
+
+/// \file
+/// A layer over OpenCL's functions, linked into a test in place of host/opencl/loader.cpp: it
+/// passes calls on, counts them, and makes those fail that it is told to. The library needs no
+/// switch for it, and a function that the layer lacks does not link.
+
+#include <cstddef>
+#include <limits>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "opencl/check.h"
+
+namespace vasamesh::failing_opencl {
+
+inline constexpr std::size_t kForEver = std::numeric_limits<std::size_t>::max();
+
+/// One call that was made: the function, and where in the program.
+struct Call {
+  std::string function;
+  const void* site = nullptr;
+};
+
+/// Forgets the calls made so far, and fails none of the next.
+void reset();
+
+/// As reset(), and fails the calls first .. first + count - 1 from now on, counted from 0.
+void fail(std::size_t first, std::size_t count = 1);
+
+/// The calls since the last reset() or fail(), in order. Releases are counted, too.
+std::vector<Call> calls();
+
+/// Devices answer `value` when they are asked for a property of 32 or 64 bits, until reset().
+void pretend(cl_device_info property, cl_ulong value);
+
+}  // namespace vasamesh::failing_opencl
