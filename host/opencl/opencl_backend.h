@@ -35,7 +35,7 @@ class OpenClBackend final : public Backend {
 
   std::string name() const override { return "opencl"; }
   std::string device() const override { return device_name_; }
-  bool offers(Stage stage) const override { return stage <= Stage::surface; }
+  bool offers(Stage stage) const override { return stage <= Stage::sizing; }
   std::size_t bytes_held() const override { return held_; }
   std::size_t bytes_peak() const override { return peak_; }
   void set_byte_limit(std::size_t bytes) override { limit_ = bytes; }
@@ -140,6 +140,8 @@ class OpenClBackend final : public Backend {
                     View<const std::uint16_t> node_start, View<const std::uint32_t> vertex_start,
                     View<const std::uint32_t> triangle_start, View<float> vertices,
                     View<std::uint32_t> triangles) override;
+  void sizing_measure(const FieldView& field, View<Vec3> positions, View<Vec3> normals,
+                      View<float> radii) override;
 
  private:
   void bring_to_host(void* handle, bool writes) override { memory_->bring_to_host(handle, writes); }
