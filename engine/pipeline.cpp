@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "byte_plan.h"
 #include "scheduler.h"
 #include "stages/lattice.h"
 #include "stages/normals.h"
@@ -116,6 +117,10 @@ Result run_pipeline(const VolumeView& volume, const Parameters& parameters, Sche
   report.points = static_cast<std::int64_t>(points.count);
   report.thin_points = static_cast<std::int64_t>(points.thin_count);
 
+  const BytePlan plan = plan_bytes(object.view(), points.count);
+  scheduler.check_memory(plan);
+  report.bytes_planned = static_cast<std::int64_t>(plan.most);
+
   scheduler.begin("normals", Stage::normals);
   estimate_normals(scheduler.backend_for(Stage::normals), object, scale, parameters, points);
 
@@ -177,9 +182,7 @@ Result Converter::convert(const VolumeView& volume, const Parameters& parameters
 
 Result convert(const VolumeView& volume, const Parameters& parameters, Context& context) {
   validate(parameters);
-  Scheduler scheduler(context);
-  for (const auto& backend : context.backends)
-    backend->set_byte_limit(static_cast<std::size_t>(parameters.max_memory));
+  Scheduler scheduler(context, static_cast<std::size_t>(parameters.max_memory));
   try {
     return run_pipeline(volume, parameters, scheduler);
   } catch (const DeviceFailure& failure) {

@@ -12,10 +12,14 @@ constexpr std::chrono::milliseconds kRest{10};  // between two words to the call
 
 }  // namespace
 
-Scheduler::Scheduler(Context& context) : context_(context) {
+Scheduler::Scheduler(Context& context, std::size_t max_memory)
+    : context_(context), max_memory_(max_memory) {
   if (context.backends.empty())
     throw Error(ErrorCode::usage, "the context has no backend: make it with make_context()");
-  for (const auto& backend : context.backends) backend->set_checkpoint([this] { checkpoint(); });
+  for (const auto& backend : context.backends) {
+    backend->set_byte_limit(max_memory);
+    backend->set_checkpoint([this] { checkpoint(); });
+  }
 }
 
 Scheduler::~Scheduler() {
@@ -26,6 +30,20 @@ Backend& Scheduler::backend_for(Stage stage) {
   for (const auto& backend : context_.backends)
     if (backend->offers(stage) && (!host_alone_ || backend.get() == &host())) return *backend;
   throw Error(ErrorCode::internal, "no backend of the context offers a stage");
+}
+
+void Scheduler::check_memory(const BytePlan& plan) {
+  if (max_memory_ && plan.least > max_memory_)
+    throw Error(ErrorCode::refused,
+                "the conversion needs " + std::to_string(plan.least) + " to " +
+                    std::to_string(plan.most) + " bytes, and --max-memory allows " +
+                    std::to_string(max_memory_) + ": allow more, or convert a part of the volume");
+  if (host_alone_) return;
+  for (const auto& backend : context_.backends)
+    if (backend->memory() && backend->memory() < plan.most)
+      throw DeviceFailure(ErrorCode::refused,
+                          backend->device() + " has " + std::to_string(backend->memory()) +
+                              " bytes, and the conversion may need " + std::to_string(plan.most));
 }
 
 void Scheduler::fall_back(const DeviceFailure& failure) {
@@ -57,6 +75,7 @@ void Scheduler::begin(const char* name, Stage stage) {
   report.name = name;
   report.backend = backend.name();
   report.device = backend.device();
+  traffic_ = backend.traffic();
   progress(name, 0);
   started_ = Clock::now();
   open_ = true;
@@ -66,6 +85,13 @@ void Scheduler::end() {
   if (!open_) return;
   open_ = false;
   StageReport& report = reports_.back();
+  if (running_) {
+    running_->finish();
+    const Traffic traffic = running_->traffic();
+    report.launches = traffic.launches - traffic_.launches;
+    report.copies = traffic.copies - traffic_.copies;
+    report.bytes_copied = traffic.bytes - traffic_.bytes;
+  }
   report.seconds = std::chrono::duration<double>(Clock::now() - started_).count();
   for (const auto& backend : context_.backends)
     report.bytes_held += static_cast<std::int64_t>(backend->bytes_held());

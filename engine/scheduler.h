@@ -12,6 +12,7 @@
 
 #include "backend/backend.h"
 #include "backend/device_failure.h"
+#include "byte_plan.h"
 #include "vasamesh/pipeline.h"
 #include "vasamesh/report.h"
 
@@ -20,8 +21,9 @@ namespace vasamesh {
 class Scheduler {
  public:
   /// \pre the context's last backend offers every stage.
+  /// \param max_memory  bytes that all backends' buffers may hold together; 0: no limit.
   /// \throws Error usage, when the context has no backend.
-  explicit Scheduler(Context& context);
+  explicit Scheduler(Context& context, std::size_t max_memory = 0);
   ~Scheduler();
   Scheduler(const Scheduler&) = delete;
   Scheduler& operator=(const Scheduler&) = delete;
@@ -31,6 +33,10 @@ class Scheduler {
 
   /// The first of the context's backends that offers the stage; after fall_back(), the host's.
   Backend& backend_for(Stage stage);
+
+  /// Before the work that needs most of the memory. \throws Error refused, when the limit is below
+  /// the least that is planned; DeviceFailure, when a device has less than the most.
+  void check_memory(const BytePlan& plan);
 
   /// Ends the stage that failed, with the failure in its report. From now on everything runs on the
   /// host's backend: the caller starts again from the input.
@@ -52,11 +58,13 @@ class Scheduler {
   void checkpoint();
 
   Context& context_;
+  std::size_t max_memory_;
   Backend* running_ = nullptr;  ///< the backend of the last stage begun
   std::vector<StageReport> reports_;
   Clock::time_point started_, told_;
   std::string phase_;  ///< as told last, with its fraction
   double fraction_ = 0;
+  Traffic traffic_;  ///< of the running backend when the stage began
   bool open_ = false;
   bool host_alone_ = false;
 };

@@ -69,16 +69,18 @@ DeviceInfo device_for(const ContextOptions& options) {
 }
 
 #ifdef VASAMESH_WITH_OPENCL
-std::shared_ptr<Backend> open_opencl(int device, std::shared_ptr<Backend> workers) {
+std::shared_ptr<Backend> open_opencl(int device, std::shared_ptr<Backend> workers,
+                                     std::shared_ptr<ByteAccount> total) {
   OpenClOptions options;
   options.device = device;
   options.workers = std::move(workers);
+  options.total = std::move(total);
   return make_opencl_backend(options);
 }
 #else
 std::vector<DeviceInfo> list_opencl_devices() { return {}; }
 
-std::shared_ptr<Backend> open_opencl(int, std::shared_ptr<Backend>) {
+std::shared_ptr<Backend> open_opencl(int, std::shared_ptr<Backend>, std::shared_ptr<ByteAccount>) {
   throw Error(ErrorCode::no_device, "this build has no OpenCL backend: use --backend tbb");
 }
 #endif
@@ -103,8 +105,10 @@ Context make_context(const ContextOptions& options) {
                                       ": must be 0 (all of the machine's) or more");
   const DeviceInfo device = device_for(options);
   Context context;
-  const auto host = make_tbb_backend(options.threads, options.task_arena);
-  if (device.backend == "opencl") context.backends.push_back(open_opencl(device.number - 1, host));
+  const auto total = std::make_shared<ByteAccount>();
+  const auto host = make_tbb_backend(options.threads, options.task_arena, total);
+  if (device.backend == "opencl")
+    context.backends.push_back(open_opencl(device.number - 1, host, total));
   context.backends.push_back(host);
   return context;
 }

@@ -10,7 +10,7 @@
 #include <string>
 
 #include "conversion.h"
-#include "machine.h"
+#include "measure/machine.h"
 
 namespace vasamesh {
 namespace {
@@ -44,7 +44,7 @@ void run_stage(benchmark::State& state, std::size_t index, int threads) {
     }
     (conversion.*stage.run)();
   }
-  const Floor floor = (conversion.*stage.floor)();
+  const Work floor = (conversion.*stage.floor)();
   const Machine& limits = machine(threads);
   const double seconds =
       std::max(floor.bytes / limits.bandwidth, floor.operations / limits.arithmetic);

@@ -10,25 +10,10 @@
 namespace vasamesh {
 namespace {
 
-// Operations a point, cell, node or triangle; see docs/performance.md.
-constexpr double kNormalOperations = 1000;  // 60 rows of the gradient, 10 neighbours, one Jacobi
-constexpr double kSplatOperations = 6 * 6 * 6 * 4;
-constexpr double kIterationOperations = 22;  // 7-point operator, two dot products, three updates
-constexpr double kIterationBytes = 9 + 24 + 12;
-constexpr double kSampleOperations = 90;  // 27 products of three weights
-constexpr double kNodeOperations = 12;    // the spline at half steps, an axis at a time
-constexpr double kVertexOperations = 12;
-constexpr double kTriangleOperations = 60;
-constexpr double kPointBytes = 10 * 4;
-
 Context make_tbb_context(int threads) {
   Context context;
   context.backends.push_back(make_tbb_backend(threads, nullptr));
   return context;
-}
-
-double bit_bytes(const BitVolume& object) {
-  return 8.0 * static_cast<double>(object.view().word_count());
 }
 
 double cell_count(const Octree& octree) {
@@ -75,59 +60,39 @@ void Conversion::check() {
 }
 void Conversion::measure() { measure_quality(backend_, mesh_); }
 
-Floor Conversion::pack_floor() const {
-  return {static_cast<double>(phantom_.voxels.size()) + bit_bytes(object_), 0};
+Work Conversion::pack_floor() const { return pack_work(voxel_count()); }
+Work Conversion::examine_floor() const { return examine_work(voxel_count()); }
+Work Conversion::extract_floor() const { return points_work(voxel_count(), point_count()); }
+Work Conversion::estimate_floor() const { return normals_work(point_count()); }
+Work Conversion::build_tree_floor() const { return build_work(cell_count(octree_)); }
+Work Conversion::assemble_floor() const {
+  const double thin = static_cast<double>(points_.thin_count);
+  return assemble_work(cell_count(octree_), point_count() + thin);
 }
-Floor Conversion::examine_floor() const { return {bit_bytes(object_), 0}; }
-Floor Conversion::extract_floor() const {
-  return {bit_bytes(object_) + static_cast<double>(points_.count) * kPointBytes +
-              4.0 * static_cast<double>(points_.voxel_start.size()),
-          0};
-}
-Floor Conversion::estimate_floor() const {
-  const auto count = static_cast<double>(points_.count);
-  return {count * kPointBytes, count * kNormalOperations};
-}
-Floor Conversion::build_tree_floor() const {
-  // One flag a cell, and 54 indices a brick.
-  const double cells = cell_count(octree_);
-  return {cells * (1 + 54 * 4.0 / kBrickCells), 0};
-}
-Floor Conversion::assemble_floor() const {
-  const auto count = static_cast<double>(points_.count + points_.thin_count);
-  return {4 * cell_count(octree_) + count * 7 * 4, count * kSplatOperations};
-}
-double Conversion::solved_cells() const {
-  double cells = 0;
+Work Conversion::solve_floor() const {
+  double cell_iterations = 0;
   for (const LevelReport& level : levels_)
-    cells += static_cast<double>(level.nodes) * level.iterations;
-  return cells;
+    cell_iterations += static_cast<double>(level.nodes) * level.iterations;
+  return solve_work(cell_iterations);
 }
-Floor Conversion::solve_floor() const {
-  return {solved_cells() * kIterationBytes, solved_cells() * kIterationOperations};
+Work Conversion::subtract_floor() const {
+  return isovalue_work(cell_count(octree_), point_count());
 }
-Floor Conversion::subtract_floor() const {
-  const auto count = static_cast<double>(points_.count);
-  return {8 * cell_count(octree_) + count * 6 * 4, count * 2 * kSampleOperations};
+Work Conversion::label_floor() const { return label_work(cell_count(octree_), node_count()); }
+Work Conversion::relabel_floor() const {
+  return relabel_work(node_count(), 1 + relabelled_.repair_passes);
 }
-Floor Conversion::label_floor() const {
-  const auto nodes = static_cast<double>(lattice_.values.size());
-  return {nodes * 5 + 4 * cell_count(octree_), nodes * kNodeOperations};
+Work Conversion::surface_floor() const {
+  return surface_work(node_count(), static_cast<double>(mesh_.vertex_count()),
+                      static_cast<double>(mesh_.triangle_count()));
 }
-Floor Conversion::relabel_floor() const {
-  // Labels and values once in each pass, over all nodes.
-  const double passes = 1 + relabelled_.repair_passes;
-  return {static_cast<double>(lattice_.values.size()) * 5 * passes, 0};
+Work Conversion::mesh_floor() const {
+  return examine_mesh_work(static_cast<double>(mesh_.vertex_count()),
+                           static_cast<double>(mesh_.triangle_count()));
 }
-double Conversion::mesh_bytes() const {
-  return 4.0 * static_cast<double>(mesh_.vertices.size() + mesh_.triangles.size());
-}
-Floor Conversion::surface_floor() const {
-  return {static_cast<double>(lattice_.values.size()) * 5 + mesh_bytes(),
-          static_cast<double>(mesh_.vertex_count()) * kVertexOperations};
-}
-Floor Conversion::mesh_floor() const {
-  return {mesh_bytes(), static_cast<double>(mesh_.triangle_count()) * kTriangleOperations};
-}
+
+double Conversion::voxel_count() const { return static_cast<double>(phantom_.voxels.size()); }
+double Conversion::point_count() const { return static_cast<double>(points_.count); }
+double Conversion::node_count() const { return static_cast<double>(lattice_.values.size()); }
 
 }  // namespace vasamesh

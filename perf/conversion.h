@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <memory>
 
+#include "measure/work.h"
 #include "phantom/phantom.h"
 #include "scheduler.h"
 #include "stages/lattice.h"
@@ -15,12 +16,6 @@
 #include "stages/topology_count.h"
 
 namespace vasamesh {
-
-/// What a stage must do at least: each array that it reads or makes moved once, and the float32
-/// operations of its formulas without the search for their operands.
-struct Floor {
-  double bytes = 0, operations = 0;
-};
 
 /// State between stages. A stage needs the ones before it; it may run again, after `restore` where
 /// kConversionStages names one.
@@ -42,22 +37,23 @@ class Conversion {
   void check();
   void measure();
 
-  Floor pack_floor() const;
-  Floor examine_floor() const;
-  Floor extract_floor() const;
-  Floor estimate_floor() const;
-  Floor build_tree_floor() const;
-  Floor assemble_floor() const;
-  Floor solve_floor() const;
-  Floor subtract_floor() const;
-  Floor label_floor() const;
-  Floor relabel_floor() const;
-  Floor surface_floor() const;
-  Floor mesh_floor() const;
+  Work pack_floor() const;
+  Work examine_floor() const;
+  Work extract_floor() const;
+  Work estimate_floor() const;
+  Work build_tree_floor() const;
+  Work assemble_floor() const;
+  Work solve_floor() const;
+  Work subtract_floor() const;
+  Work label_floor() const;
+  Work relabel_floor() const;
+  Work surface_floor() const;
+  Work mesh_floor() const;
 
  private:
-  double solved_cells() const;
-  double mesh_bytes() const;
+  double voxel_count() const;
+  double point_count() const;
+  double node_count() const;
 
   const Phantom& phantom_;
   Context context_;
@@ -80,7 +76,7 @@ struct ConversionStage {
   const char* name;
   void (Conversion::*run)();
   void (Conversion::*restore)();  ///< run untimed before each repeat; may be null
-  Floor (Conversion::*floor)() const;
+  Work (Conversion::*floor)() const;
 };
 inline constexpr ConversionStage kConversionStages[] = {
     {"input_pack", &Conversion::pack, nullptr, &Conversion::pack_floor},

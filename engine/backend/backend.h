@@ -18,6 +18,7 @@
 #include <string>
 
 #include "backend/buffer.h"
+#include "backend/byte_account.h"
 #include "types/bricks.h"
 #include "types/indicator_field.h"
 #include "types/lattice.h"
@@ -32,14 +33,24 @@ namespace vasamesh {
 /// The stages that a backend may offer.
 enum class Stage { points, normals, octree, poisson, lattice, surface, sizing, mesh, verify };
 
+/// What a device was given to do, and what was copied to and from it.
+struct Traffic {
+  std::int64_t launches = 0;  ///< of kernels
+  std::int64_t copies = 0;
+  std::int64_t bytes = 0;  ///< copied
+};
+
 class Backend : public Memory {
  public:
   virtual std::string name() const = 0;    ///< "tbb", "opencl"
   virtual std::string device() const = 0;  ///< what it runs on, for people
   virtual bool offers(Stage stage) const = 0;
+  virtual std::size_t memory() const { return 0; }  ///< of the device, bytes; 0: the host's
   virtual std::size_t bytes_held() const = 0;
   virtual std::size_t bytes_peak() const = 0;
-  virtual void set_byte_limit(std::size_t bytes) = 0;  ///< 0: none; allocate() throws above it
+  virtual Traffic traffic() const { return {}; }  ///< since it was opened
+  /// 0: none. Of all backends that share an account; allocate() throws above it.
+  virtual void set_byte_limit(std::size_t bytes) = 0;
 
   /// Whether released buffers are kept for the next that are asked for (a Converter's, from one
   /// volume to the next); false gives back what is kept. Backends may ignore it.
@@ -70,6 +81,9 @@ class Backend : public Memory {
   /// Waits for the passes called before, and brings what they have written to the host's memory,
   /// for work that is not this backend's; takes for granted that it may write there.
   virtual void settle() {}
+
+  /// Waits for the passes called before.
+  virtual void finish() {}
 
   // --- Copies. `bytes` from byte `offset` of an allocation. ---------------------------------
 

@@ -4,6 +4,7 @@
 /// The subcommands of the program: what each was asked for, and the function that does it.
 
 #include <string>
+#include <vector>
 
 #include "io/volume_reader.h"
 #include "phantom/phantom.h"
@@ -43,10 +44,23 @@ struct PhantomRequest {
   PhantomOptions options;
 };
 
+/// `vasamesh bench IN...`.
+struct BenchRequest {
+  std::vector<std::string> inputs;
+  std::vector<std::string> backends;  ///< empty: all that are here
+  std::string device;                 ///< number of an OpenCL device; empty: all
+  std::vector<int> threads;           ///< empty: 1, 2, 4 and so on
+  int repeat = 3;
+  bool json = false;
+  ReadOptions read;
+  Parameters parameters;
+};
+
 /// Each does one whole command; results go to stdout. \throws Error
 void run_convert(const ConvertRequest& request);
 void run_check(const CheckRequest& request);
 void run_phantom(const PhantomRequest& request);
 void run_devices();
+void run_bench(const BenchRequest& request);
 
 }  // namespace vasamesh::cli

@@ -203,4 +203,27 @@ CLI::App* add_devices(CLI::App& app) {
   return devices;
 }
 
+CLI::App* add_bench(CLI::App& app, BenchRequest& request) {
+  CLI::App* bench =
+      app.add_subcommand("bench", "Measure conversions, stage by stage, on each backend");
+  bench->add_option("IN", request.inputs, "Segmentations, as for convert")->required();
+  bench->add_option("--backends", request.backends, "tbb, opencl; all that are here")
+      ->check(CLI::IsMember({"tbb", "opencl"}))
+      ->delimiter(',');
+  bench->add_option("--device", request.device, "Number of an OpenCL device; all");
+  bench->add_option("--threads", request.threads, "Of oneTBB, as 1,2; 1, 2, 4 and so on")
+      ->check(CLI::Range(1, 4096))
+      ->delimiter(',');
+  bench->add_option("--repeat", request.repeat, "Conversions measured; one more warms up")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  bench->add_flag("--json", request.json, "Print JSON");
+  add_selection(bench, request.read);
+  bench->footer(
+      "Examples:\n"
+      "  vasamesh bench scan.nii.gz\n"
+      "  vasamesh bench a.nrrd b.nrrd --backends tbb,opencl --threads 1,2 --repeat 5 --json");
+  return bench;
+}
+
 }  // namespace vasamesh::cli

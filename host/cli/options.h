@@ -14,5 +14,6 @@ CLI::App* add_convert(CLI::App& app, ConvertRequest& request);
 CLI::App* add_check(CLI::App& app, CheckRequest& request);
 CLI::App* add_phantom(CLI::App& app, PhantomRequest& request);
 CLI::App* add_devices(CLI::App& app);
+CLI::App* add_bench(CLI::App& app, BenchRequest& request);
 
 }  // namespace vasamesh::cli

@@ -92,6 +92,8 @@ int run(int argc, const char* const* argv) {
   const CLI::App* check_app = add_check(app, check);
   const CLI::App* phantom_app = add_phantom(app, phantom);
   add_devices(app);
+  BenchRequest bench;
+  const CLI::App* bench_app = add_bench(app, bench);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -102,6 +104,7 @@ int run(int argc, const char* const* argv) {
     if (convert_app->parsed()) return run_convert(convert);
     if (check_app->parsed()) return run_check(check);
     if (phantom_app->parsed()) return run_phantom(phantom);
+    if (bench_app->parsed()) return run_bench(bench);
     run_devices();
   });
 }

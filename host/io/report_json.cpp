@@ -79,6 +79,9 @@ Json to_json(const StageReport& stage) {
           {"device", stage.device},
           {"seconds", stage.seconds},
           {"bytes_held", stage.bytes_held},
+          {"launches", stage.launches},
+          {"copies", stage.copies},
+          {"bytes_copied", stage.bytes_copied},
           {"failure", stage.failure}};
 }
 
@@ -160,6 +163,7 @@ Json to_json(const Report& report) {
   out["input"] = to_json(report.input);
   out["points"] = report.points;
   out["thin_points"] = report.thin_points;
+  out["bytes_planned"] = report.bytes_planned;
   out["stages"] = list(report.stages);
   out["levels"] = list(report.levels);
   out["relabel"] = to_json(report.relabel);

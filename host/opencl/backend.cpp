@@ -59,7 +59,7 @@ std::shared_ptr<Backend> make_opencl_backend(const OpenClOptions& options) {
   try {
     return std::make_shared<OpenClBackend>(
         device, shape_for(device, options.shape), shares_memory(device, options.copies),
-        cache_for(device, options.cache_folder), options.workers);
+        cache_for(device, options.cache_folder), options.workers, options.total);
   } catch (const DeviceFailure& failure) {
     throw Error(ErrorCode::no_device, std::string("the OpenCL device cannot be opened: ") +
                                           failure.what() + "; see vasamesh devices");
@@ -67,12 +67,15 @@ std::shared_ptr<Backend> make_opencl_backend(const OpenClOptions& options) {
 }
 
 OpenClBackend::OpenClBackend(cl::Device device, const WorkShape& shape, bool shared_memory,
-                             std::optional<ProgramCache> cache, std::shared_ptr<Backend> workers)
+                             std::optional<ProgramCache> cache, std::shared_ptr<Backend> workers,
+                             std::shared_ptr<ByteAccount> total)
     : device_(std::move(device)),
       device_name_(ask<CL_DEVICE_NAME>(device_)),
       largest_buffer_(ask<CL_DEVICE_MAX_MEM_ALLOC_SIZE>(device_)),
+      global_memory_(ask<CL_DEVICE_GLOBAL_MEM_SIZE>(device_)),
       shape_(shape),
-      workers_(std::move(workers)) {
+      workers_(std::move(workers)),
+      account_(std::move(total)) {
   if (const std::string lack = lacks(device_, shape_); !lack.empty())
     throw DeviceFailure(ErrorCode::no_device,
                         device_name_ + " " + lack + ": choose another, or use --backend tbb");
@@ -91,21 +94,22 @@ OpenClBackend::OpenClBackend(cl::Device device, const WorkShape& shape, bool sha
                             "another, or use --backend tbb");
 }
 
+Traffic OpenClBackend::traffic() const {
+  return {launches_, memory_->copies(), memory_->bytes_copied()};
+}
+
 void* OpenClBackend::allocate(std::size_t bytes) {
-  const std::size_t held = held_ + bytes;
-  if (limit_ && held > limit_)
-    throw DeviceFailure(ErrorCode::refused,
-                        "the conversion needs more memory than --max-memory allows (" +
-                            std::to_string(held) + " of " + std::to_string(limit_) +
-                            " bytes): allow more, or convert a part of the volume");
   if (bytes > largest_buffer_)
     throw DeviceFailure(ErrorCode::refused, device_name_ + " gives buffers of at most " +
                                                 std::to_string(largest_buffer_) + " bytes, not " +
                                                 std::to_string(bytes) + ": use --backend tbb");
-  void* handle = memory_->allocate(bytes);
-  held_ = held;
-  peak_ = std::max(peak_, held);
-  return handle;
+  account_.take(bytes);
+  try {
+    return memory_->allocate(bytes);
+  } catch (...) {
+    account_.give(bytes);
+    throw;
+  }
 }
 
 void OpenClBackend::set_checkpoint(std::function<void()> checkpoint) {
@@ -116,7 +120,7 @@ void OpenClBackend::set_checkpoint(std::function<void()> checkpoint) {
 }
 
 void OpenClBackend::release(void* handle, std::size_t bytes) noexcept {
-  held_ -= bytes;
+  account_.give(bytes);
   memory_->release(handle);
 }
 

@@ -37,6 +37,7 @@ struct OpenClOptions {
   std::string cache_folder;
   /// Runs the host's part of stages; null: the calling thread does.
   std::shared_ptr<Backend> workers;
+  std::shared_ptr<ByteAccount> total;  ///< shared with other backends, or null
 };
 
 /// The OpenCL devices of all platforms that are ready and have a compiler, numbered from 0 in the

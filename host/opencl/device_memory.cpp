@@ -73,16 +73,11 @@ void DeviceMemory::give_back_left() {
 
 cl_mem DeviceMemory::on_device(void* handle, std::size_t bytes, bool writes) {
   if (!handle) return nullptr;
-  idle_ = false;
   Allocation* own = find(handle);
+  if (own && own->device_stale) copy_in(own->memory, 0, handle, own->bytes);
+  idle_ = false;
   if (!own) return lend(handle, bytes, writes);
   if (shared_) return own->memory;
-  if (own->device_stale) {
-    wait();
-    check(clEnqueueWriteBuffer(queue_(), own->memory, CL_TRUE, 0, own->bytes, handle, 0, nullptr,
-                               nullptr),
-          "copying " + std::to_string(own->bytes) + " bytes to " + device_);
-  }
   own->device_stale = false;
   own->host_stale |= writes;
   return own->memory;
@@ -98,10 +93,7 @@ void DeviceMemory::finish_loans() {
     throw;
   }
   for (const Loan& loan : loans_) {
-    if (loan.writes && !shared_)
-      check(clEnqueueReadBuffer(queue_(), loan.memory, CL_TRUE, 0, loan.bytes, loan.address, 0,
-                                nullptr, nullptr),
-            "copying " + std::to_string(loan.bytes) + " bytes from " + device_);
+    if (loan.writes && !shared_) copy_out(loan.memory, 0, loan.address, loan.bytes);
     clReleaseMemObject(loan.memory);
   }
   loans_.clear();
@@ -126,24 +118,36 @@ void DeviceMemory::settle() {
 
 void DeviceMemory::write(void* handle, std::size_t offset, const void* from, std::size_t bytes) {
   const Allocation* own = find(handle);
-  if (!own || (!shared_ && !own->host_stale))
+  if (own && shared_) wait();
+  if (!own || shared_ || !own->host_stale)
     std::memcpy(static_cast<std::byte*>(handle) + offset, from, bytes);
-  if (!own || own->device_stale) return;
-  wait();
-  check(clEnqueueWriteBuffer(queue_(), own->memory, CL_TRUE, offset, bytes, from, 0, nullptr,
-                             nullptr),
-        "copying " + std::to_string(bytes) + " bytes to " + device_);
+  if (own && !shared_ && !own->device_stale) copy_in(own->memory, offset, from, bytes);
 }
 
 void DeviceMemory::read(const void* handle, std::size_t offset, void* to, std::size_t bytes) {
   const Allocation* own = find(handle);
-  if (!own || own->device_stale) {
-    std::memcpy(to, static_cast<const std::byte*>(handle) + offset, bytes);
-    return;
-  }
+  if (own && !shared_ && !own->device_stale) return copy_out(own->memory, offset, to, bytes);
+  if (own && shared_) wait();
+  std::memcpy(to, static_cast<const std::byte*>(handle) + offset, bytes);
+}
+
+void DeviceMemory::copy_in(cl_mem memory, std::size_t offset, const void* from, std::size_t bytes) {
   wait();
-  check(clEnqueueReadBuffer(queue_(), own->memory, CL_TRUE, offset, bytes, to, 0, nullptr, nullptr),
+  check(clEnqueueWriteBuffer(queue_(), memory, CL_TRUE, offset, bytes, from, 0, nullptr, nullptr),
+        "copying " + std::to_string(bytes) + " bytes to " + device_);
+  count_copy(bytes);
+}
+
+void DeviceMemory::copy_out(cl_mem memory, std::size_t offset, void* to, std::size_t bytes) {
+  wait();
+  check(clEnqueueReadBuffer(queue_(), memory, CL_TRUE, offset, bytes, to, 0, nullptr, nullptr),
         "copying " + std::to_string(bytes) + " bytes from " + device_);
+  count_copy(bytes);
+}
+
+void DeviceMemory::count_copy(std::size_t bytes) {
+  ++copies_;
+  bytes_copied_ += static_cast<std::int64_t>(bytes);
 }
 
 cl_mem DeviceMemory::create(std::size_t bytes, cl_mem_flags flags, void* host) {
@@ -156,15 +160,14 @@ cl_mem DeviceMemory::create(std::size_t bytes, cl_mem_flags flags, void* host) {
 cl_mem DeviceMemory::lend(void* address, std::size_t bytes, bool writes) {
   const cl_mem memory =
       create(bytes, shared_ ? CL_MEM_USE_HOST_PTR : CL_MEM_COPY_HOST_PTR, address);
+  if (!shared_) count_copy(bytes);
   loans_.push_back({memory, address, bytes, writes});
   return memory;
 }
 
 void DeviceMemory::copy_to_host(void* handle, Allocation& own) {
   if (!own.host_stale) return;
-  check(
-      clEnqueueReadBuffer(queue_(), own.memory, CL_TRUE, 0, own.bytes, handle, 0, nullptr, nullptr),
-      "copying " + std::to_string(own.bytes) + " bytes from " + device_);
+  copy_out(own.memory, 0, handle, own.bytes);
   own.host_stale = false;
 }
 

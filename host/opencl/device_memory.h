@@ -6,6 +6,7 @@
 /// own, and the stale one is brought up to date when it is next looked at.
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <unordered_map>
@@ -50,6 +51,10 @@ class DeviceMemory {
   void write(void* handle, std::size_t offset, const void* from, std::size_t bytes);
   void read(const void* handle, std::size_t offset, void* to, std::size_t bytes);
 
+  /// Between the host's memory and the device's own, so far.
+  std::int64_t copies() const { return copies_; }
+  std::int64_t bytes_copied() const { return bytes_copied_; }
+
  private:
   struct Allocation {
     cl_mem memory = nullptr;
@@ -67,6 +72,9 @@ class DeviceMemory {
   void give_back_left();
   cl_mem create(std::size_t bytes, cl_mem_flags flags, void* host);
   cl_mem lend(void* address, std::size_t bytes, bool writes);
+  void copy_in(cl_mem memory, std::size_t offset, const void* from, std::size_t bytes);
+  void copy_out(cl_mem memory, std::size_t offset, void* to, std::size_t bytes);
+  void count_copy(std::size_t bytes);
   void copy_to_host(void* handle, Allocation& allocation);
   Allocation* find(const void* handle);
 
@@ -77,6 +85,7 @@ class DeviceMemory {
   std::unordered_map<const void*, Allocation> allocations_;  // by the host's address
   std::vector<Loan> loans_;
   std::function<void()> checkpoint_;
+  std::int64_t copies_ = 0, bytes_copied_ = 0;
   bool idle_ = true;                                ///< nothing was queued since the last wait
   std::vector<std::pair<void*, Allocation>> left_;  ///< released while commands may use it
 };

@@ -31,18 +31,22 @@ class OpenClBackend final : public Backend {
  public:
   /// \param workers  runs the tasks of run().
   OpenClBackend(cl::Device device, const WorkShape& shape, bool shared_memory,
-                std::optional<ProgramCache> cache, std::shared_ptr<Backend> workers);
+                std::optional<ProgramCache> cache, std::shared_ptr<Backend> workers,
+                std::shared_ptr<ByteAccount> total);
 
   std::string name() const override { return "opencl"; }
   std::string device() const override { return device_name_; }
   bool offers(Stage stage) const override { return stage <= Stage::sizing; }
-  std::size_t bytes_held() const override { return held_; }
-  std::size_t bytes_peak() const override { return peak_; }
-  void set_byte_limit(std::size_t bytes) override { limit_ = bytes; }
+  std::size_t memory() const override { return global_memory_; }
+  std::size_t bytes_held() const override { return account_.held(); }
+  std::size_t bytes_peak() const override { return account_.peak(); }
+  void set_byte_limit(std::size_t bytes) override { account_.set_limit(bytes); }
 
   void* allocate(std::size_t bytes) override;
   void release(void* handle, std::size_t bytes) noexcept override;
   void settle() override { memory_->settle(); }
+  Traffic traffic() const override;
+  void finish() override { memory_->wait(); }
   void set_checkpoint(std::function<void()> checkpoint) override;
   void write(void* handle, std::size_t offset, const void* from, std::size_t bytes) override;
   void read(const void* handle, std::size_t offset, void* to, std::size_t bytes) override;
@@ -166,6 +170,7 @@ class OpenClBackend final : public Backend {
     check(queue_.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(groups * items),
                                       cl::NDRange(items)),
           std::string(name) + " on " + device_name_);
+    ++launches_;
     memory_->finish_loans();
   }
   template <class T>
@@ -200,14 +205,15 @@ class OpenClBackend final : public Backend {
 
   cl::Device device_;
   std::string device_name_;
-  std::size_t largest_buffer_;
+  std::size_t largest_buffer_, global_memory_;
   cl::Context context_;
   cl::CommandQueue queue_;
   WorkShape shape_;
   std::optional<Programs> programs_;
   std::optional<DeviceMemory> memory_;
   std::shared_ptr<Backend> workers_;
-  std::size_t held_ = 0, peak_ = 0, limit_ = 0;
+  std::int64_t launches_ = 0;
+  ByteAccount account_;
   Buffer<float> sums_;            // of reduce_sum
   Buffer<std::uint64_t> totals_;  // of exclusive_scan, a block an entry
   Buffer<std::uint32_t> counts_;

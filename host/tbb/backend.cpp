@@ -26,12 +26,13 @@ constexpr std::size_t kBlock = 16384;  // elements a task of the primitives take
 
 }  // namespace
 
-std::shared_ptr<Backend> make_tbb_backend(int threads, void* task_arena) {
-  return std::make_shared<TbbBackend>(threads, task_arena);
+std::shared_ptr<Backend> make_tbb_backend(int threads, void* task_arena,
+                                          std::shared_ptr<ByteAccount> total) {
+  return std::make_shared<TbbBackend>(threads, task_arena, std::move(total));
 }
 
-TbbBackend::TbbBackend(int threads, void* task_arena)
-    : arena_(static_cast<tbb::task_arena*>(task_arena)) {
+TbbBackend::TbbBackend(int threads, void* task_arena, std::shared_ptr<ByteAccount> total)
+    : arena_(static_cast<tbb::task_arena*>(task_arena)), account_(std::move(total)) {
   if (arena_) return;
   own_arena_ =
       std::make_unique<tbb::task_arena>(threads > 0 ? threads : int{tbb::task_arena::automatic});
@@ -43,25 +44,15 @@ std::string TbbBackend::device() const {
 }
 
 void* TbbBackend::allocate(std::size_t bytes) {
-  const std::size_t held = held_ += bytes;
-  void* memory = limit_ && held > limit_ ? nullptr : take_block(block_size(bytes));
-  if (!memory) {
-    held_ -= bytes;
-    throw Error(ErrorCode::refused,
-                limit_ && held > limit_
-                    ? "the conversion needs more memory than --max-memory allows (" +
-                          std::to_string(held) + " of " + std::to_string(limit_) +
-                          " bytes): allow more, or convert a part of the volume"
-                    : "out of memory: " + std::to_string(bytes) + " bytes could not be had");
-  }
-  std::size_t peak = peak_;
-  while (held > peak && !peak_.compare_exchange_weak(peak, held)) {
-  }
-  return memory;
+  account_.take(bytes);
+  if (void* memory = take_block(block_size(bytes))) return memory;
+  account_.give(bytes);
+  throw Error(ErrorCode::refused, "out of memory: " + std::to_string(bytes) +
+                                      " bytes could not be had: convert a part of the volume");
 }
 
 void TbbBackend::release(void* handle, std::size_t bytes) noexcept {
-  held_ -= bytes;
+  account_.give(bytes);
   const std::scoped_lock lock(kept_mutex_);
   if (keep_)
     kept_[block_size(bytes)].push_back(handle);

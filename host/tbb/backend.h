@@ -13,6 +13,8 @@ namespace vasamesh {
 
 /// \param threads  workers; 0 for the machine's. Ignored with an arena.
 /// \param task_arena  a tbb::task_arena of the caller's, or null.
-std::shared_ptr<Backend> make_tbb_backend(int threads, void* task_arena);
+/// \param total  shared with other backends, or null.
+std::shared_ptr<Backend> make_tbb_backend(int threads, void* task_arena,
+                                          std::shared_ptr<ByteAccount> total = nullptr);
 
 }  // namespace vasamesh

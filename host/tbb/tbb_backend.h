@@ -20,15 +20,15 @@ namespace vasamesh {
 
 class TbbBackend final : public Backend {
  public:
-  TbbBackend(int threads, void* task_arena);
+  TbbBackend(int threads, void* task_arena, std::shared_ptr<ByteAccount> total);
   ~TbbBackend() override { give_back_kept(); }
 
   std::string name() const override { return "tbb"; }
   std::string device() const override;
   bool offers(Stage) const override { return true; }
-  std::size_t bytes_held() const override { return held_; }
-  std::size_t bytes_peak() const override { return peak_; }
-  void set_byte_limit(std::size_t bytes) override { limit_ = bytes; }
+  std::size_t bytes_held() const override { return account_.held(); }
+  std::size_t bytes_peak() const override { return account_.peak(); }
+  void set_byte_limit(std::size_t bytes) override { account_.set_limit(bytes); }
   void keep_memory(bool keep) override;
 
   void* allocate(std::size_t bytes) override;
@@ -157,8 +157,7 @@ class TbbBackend final : public Backend {
 
   std::unique_ptr<tbb::task_arena> own_arena_;
   tbb::task_arena* arena_;
-  std::atomic<std::size_t> held_{0}, peak_{0};
-  std::size_t limit_ = 0;
+  ByteAccount account_;
 
   std::mutex kept_mutex_;
   bool keep_ = false;

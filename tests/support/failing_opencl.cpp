@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <mutex>
+#include <optional>
 #include <type_traits>
 
 namespace vasamesh::failing_opencl {
@@ -16,6 +17,7 @@ struct State {
   std::mutex mutex;
   std::vector<Call> calls;
   std::size_t first = kForEver, count = 0;
+  std::optional<Call> wanted;
   std::map<cl_device_info, cl_ulong> pretended;
 };
 
@@ -30,6 +32,10 @@ bool fails(const char* function, const void* site) {
   const std::scoped_lock lock(s.mutex);
   const std::size_t index = s.calls.size();
   s.calls.push_back({function, site});
+  if (s.wanted == s.calls.back()) {
+    s.wanted.reset();
+    return true;
+  }
   return index >= s.first && index - s.first < s.count;
 }
 
@@ -58,8 +64,15 @@ void fail(std::size_t first, std::size_t count) {
   const std::scoped_lock lock(s.mutex);
   s.calls.clear();
   s.pretended.clear();
+  s.wanted.reset();
   s.first = first;
   s.count = count;
+}
+
+void fail_at(const Call& call) {
+  reset();
+  const std::scoped_lock lock(state().mutex);
+  state().wanted = call;
 }
 
 void reset() { fail(kForEver, 0); }

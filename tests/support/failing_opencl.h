@@ -5,6 +5,7 @@
 /// passes calls on, counts them, and makes those fail that it is told to. The library needs no
 /// switch for it, and a function that the layer lacks does not link.
 
+#include <compare>
 #include <cstddef>
 #include <limits>
 #include <map>
@@ -21,6 +22,8 @@ inline constexpr std::size_t kForEver = std::numeric_limits<std::size_t>::max();
 struct Call {
   std::string function;
   const void* site = nullptr;
+
+  auto operator<=>(const Call&) const = default;
 };
 
 /// Forgets the calls made so far, and fails none of the next.
@@ -28,6 +31,9 @@ void reset();
 
 /// As reset(), and fails the calls first .. first + count - 1 from now on, counted from 0.
 void fail(std::size_t first, std::size_t count = 1);
+
+/// As reset(), and fails the next call of that function from that place.
+void fail_at(const Call& call);
 
 /// The calls since the last reset() or fail(), in order. Releases are counted, too.
 std::vector<Call> calls();

@@ -59,6 +59,9 @@ struct StageReport {
   std::string device;
   double seconds = 0;
   std::int64_t bytes_held = 0;    ///< bytes held by the backends' buffers at the stage's end
+  std::int64_t launches = 0;      ///< of a device's kernels
+  std::int64_t copies = 0;        ///< to and from a device's own memory
+  std::int64_t bytes_copied = 0;
   std::string failure;            ///< of the device, after which the stages were run again on the
                                   ///< CPU; empty when it did not fail
 };
@@ -145,6 +148,7 @@ struct Report {
   InputFindings input;
   std::int64_t points = 0;
   std::int64_t thin_points = 0;      ///< points from refined subvoxels
+  std::int64_t bytes_planned = 0;    ///< the most that the work was expected to hold
   std::vector<StageReport> stages;
   std::vector<LevelReport> levels;   ///< coarse to fine
   RelabelReport relabel;

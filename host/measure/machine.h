@@ -1,7 +1,8 @@
 #pragma once
 
 /// \file
-/// What this machine can do at best: the measure of each stage's floor. Seconds are processor time.
+/// What this machine's processor can do at best: the measure of each stage's floor. Seconds are
+/// processor time.
 
 namespace vasamesh {
 

@@ -1,0 +1,17 @@
+#pragma once
+
+/// \file
+/// What an OpenCL device can do at best, as measure/machine.h has it of the processor.
+
+namespace vasamesh {
+
+/// Bytes a second of a triad, and float32 additions and multiplications a second without fma.
+struct DeviceSpeed {
+  double bandwidth = 0, arithmetic = 0;
+};
+
+/// Measured, in some tenths of a second, by the clock. \param device  of list_opencl_devices().
+/// \throws DeviceFailure
+DeviceSpeed measure_opencl_speed(int device);
+
+}  // namespace vasamesh
