@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <thread>
 
@@ -14,6 +15,7 @@
 #include "vasamesh/host.h"
 #ifdef VASAMESH_WITH_OPENCL
 #include "opencl/backend.h"
+#include "tune.h"
 #endif
 
 namespace vasamesh {
@@ -69,21 +71,64 @@ DeviceInfo device_for(const ContextOptions& options) {
 }
 
 #ifdef VASAMESH_WITH_OPENCL
-std::shared_ptr<Backend> open_opencl(int device, std::shared_ptr<Backend> workers,
+std::shared_ptr<Backend> open_opencl(int device, std::uint32_t stages,
+                                     std::shared_ptr<Backend> workers,
                                      std::shared_ptr<ByteAccount> total) {
   OpenClOptions options;
   options.device = device;
+  options.stages = stages;
   options.workers = std::move(workers);
   options.total = std::move(total);
   return make_opencl_backend(options);
 }
+
+/// The stages in which a device beats oneTBB; tried once and remembered. None where it fails.
+std::uint32_t stages_worth(const DeviceInfo& device, int threads) {
+  try {
+    if (!load_tuning(device.number - 1, {})) tune_device(device, threads, false, {});
+    const std::optional<Tuning> tuning = load_tuning(device.number - 1, {});
+    return tuning ? tuning->stages : 0;
+  } catch (const Error&) {
+    return 0;
+  }
+}
 #else
 std::vector<DeviceInfo> list_opencl_devices() { return {}; }
 
-std::shared_ptr<Backend> open_opencl(int, std::shared_ptr<Backend>, std::shared_ptr<ByteAccount>) {
+std::shared_ptr<Backend> open_opencl(int, std::uint32_t, std::shared_ptr<Backend>,
+                                     std::shared_ptr<ByteAccount>) {
   throw Error(ErrorCode::no_device, "this build has no OpenCL backend: use --backend tbb");
 }
+
+std::uint32_t stages_worth(const DeviceInfo&, int) { return 0; }
 #endif
+
+bool device_named(const ContextOptions& options) {
+  const char* variable = std::getenv(kDeviceVariable);
+  return !options.device.empty() || (variable && *variable);
+}
+
+/// Whether the system has any device beside the processor: to ask OpenCL takes a while.
+bool has_device_files() {
+  std::error_code ignored;
+  for (const char* path : {"/dev/dri", "/dev/nvidiactl", "/dev/kfd"})
+    if (std::filesystem::exists(path, ignored)) return true;
+  return false;
+}
+
+/// What `auto` adds to oneTBB: the first device beside the processor that beats it somewhere, for
+/// the stages in which it does. (A processor's OpenCL shares what oneTBB already uses.)
+void add_worthy(Context& context, int threads, const std::shared_ptr<Backend>& host,
+                const std::shared_ptr<ByteAccount>& total) {
+  if (!has_device_files()) return;
+  for (const DeviceInfo& device : list_devices()) {
+    if (device.type == "cpu") continue;
+    const std::uint32_t stages = stages_worth(device, threads);
+    if (stages == 0) continue;
+    context.backends.push_back(open_opencl(device.number - 1, stages, host, total));
+    return;
+  }
+}
 
 }  // namespace
 
@@ -108,7 +153,9 @@ Context make_context(const ContextOptions& options) {
   const auto total = std::make_shared<ByteAccount>();
   const auto host = make_tbb_backend(options.threads, options.task_arena, total);
   if (device.backend == "opencl")
-    context.backends.push_back(open_opencl(device.number - 1, host, total));
+    context.backends.push_back(open_opencl(device.number - 1, ~std::uint32_t{0}, host, total));
+  else if (options.backend == "auto" && !device_named(options))
+    add_worthy(context, options.threads, host, total);
   context.backends.push_back(host);
   return context;
 }

@@ -115,15 +115,25 @@ static SizingSample sizing_project(const SizingField *field, float reach, float3
   return sample.value * sample.value <= near * near * squared ? sample : none;
 }
 
-/// The square of d / (2 sin(theta / 2)) towards p + step; 0 where no surface is found.
-static float sizing_squared_radius(const SizingField *field, float3 p, float3 normal, float3 step) {
-  const float least = 1e-12f;
-  float3 q = p + step;
-  const SizingSample at = sizing_project(field, sqrt(sizing_dot(step, step)), &q);
-  if (!at.known) return 0.0f;
-  const float3 turn = normal + sizing_normalised(at.gradient);
-  const float turned = sizing_dot(turn, turn);
-  return sizing_dot(q - p, q - p) / (turned < least ? least : turned);
+/// A walk over the surface: where it has come to, and the tangent along which it goes on.
+typedef struct {
+  float3 at, direction;
+} SizingWalk;
+
+/// Goes a step on. \return the square of d / (2 sin(theta / 2)) from p; 0 where no surface is
+/// found, and the walk stays where it was.
+static float sizing_walk_on(const SizingField *field, float3 p, float3 normal, float step,
+                            SizingWalk *walk) {
+  const float least = 1e-12f, largest = SIZING_LARGEST_RADIUS * SIZING_LARGEST_RADIUS;
+  float3 q = walk->at + step * walk->direction;
+  const SizingSample found = sizing_project(field, step, &q);
+  if (!found.known) return 0.0f;
+  const float3 there = -sizing_normalised(found.gradient), along = walk->direction;
+  walk->at = q;
+  walk->direction = sizing_normalised(along - sizing_dot(along, there) * there);
+  const float turned = sizing_dot(normal - there, normal - there);
+  const float squared = sizing_dot(q - p, q - p) / (turned < least ? least : turned);
+  return largest < squared ? largest : squared;
 }
 
 /// A unit vector at right angles to a unit vector: along the cross product with the axis that it is
@@ -135,18 +145,31 @@ static float3 sizing_tangent(float3 n) {
   return sizing_normalised((float3)(n.y, -n.x, 0.0f));
 }
 
-/// The least of the radii in six directions.
+/// The least of the radii in six directions, at the first ring where it is not beyond the ring.
 static float sizing_radius(const SizingField *field, float3 p, float3 normal) {
+  const float rings[4] = {1.0f, 1.0f, 2.0f, 3.0f};
   const float cosine[6] = {1.0f, 0.5f, -0.5f, -1.0f, -0.5f, 0.5f};
   const float sine[6] = {0.0f, 0.8660254f, 0.8660254f, 0.0f, -0.8660254f, -0.8660254f};
-  const float largest = SIZING_LARGEST_RADIUS * SIZING_LARGEST_RADIUS;
   const float3 u = sizing_tangent(normal), v = sizing_cross(normal, u);
-  float least = largest;
+  SizingWalk walks[6];
   for (int i = 0; i < 6; ++i) {
-    const float3 along = cosine[i] * u + sine[i] * v;
-    float squared = sizing_squared_radius(field, p, normal, along);
-    if (!(squared > 0)) squared = sizing_squared_radius(field, p, normal, 0.5f * along);
-    least = squared < least ? squared : least;
+    walks[i].at = p;
+    walks[i].direction = cosine[i] * u + sine[i] * v;
+  }
+  float least = 0, far = 0;
+  for (int ring = 0; ring < 4; ++ring) {
+    const float step = rings[ring];
+    float here = SIZING_LARGEST_RADIUS * SIZING_LARGEST_RADIUS;
+    for (int i = 0; i < 6; ++i) {
+      float squared = sizing_walk_on(field, p, normal, step, &walks[i]);
+      if (!(squared > 0) && far == 0)
+        squared = sizing_walk_on(field, p, normal, 0.5f * step, &walks[i]);
+      here = squared < here ? squared : here;
+    }
+    if (!(here > 0) && far > 0) break;
+    least = here;
+    far += step;
+    if (least < far * far) break;
   }
   return sqrt(least);
 }

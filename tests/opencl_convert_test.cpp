@@ -4,6 +4,7 @@
 
 #include "opencl/backend.h"
 #include "phantom/phantom.h"
+#include "tbb/backend.h"
 #include "vasamesh/host.h"
 #include "vasamesh/pipeline.h"
 
@@ -32,6 +33,29 @@ TEST_P(OpenClConvert, SameSurfaceAsOneTbb) {
     EXPECT_EQ(stage.backend, host ? "tbb" : "opencl") << stage.name;
     if (!host) {
       EXPECT_EQ(stage.device, list_opencl_devices()[0].name) << stage.name;
+    }
+  }
+}
+
+/// Every other stage on the device: the data cross between the backends' memories at each stage.
+TEST(OpenClMixed, SameSurfaceWhateverRunsWhere) {
+  if (list_opencl_devices().empty()) GTEST_SKIP() << "no OpenCL device here";
+  const Phantom phantom = make_phantom("torus");
+  const Result want = convert_on("tbb", phantom);
+  for (const std::uint32_t stages : {0x55u, 0xaau}) {
+    for (const DeviceCopies copies : {DeviceCopies::shared, DeviceCopies::separate}) {
+      OpenClOptions options;
+      options.stages = stages;
+      options.copies = copies;
+      options.workers = make_tbb_backend(2, nullptr);
+      Context context;
+      context.backends = {make_opencl_backend(options), options.workers};
+      const Result got = convert(phantom.view(), {}, context);
+      EXPECT_EQ(got.mesh.vertices, want.mesh.vertices);
+      EXPECT_EQ(got.mesh.triangles, want.mesh.triangles);
+      std::set<std::string> backends;
+      for (const StageReport& stage : got.report.stages) backends.insert(stage.backend);
+      EXPECT_EQ(backends.size(), 2u);
     }
   }
 }

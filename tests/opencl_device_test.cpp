@@ -9,6 +9,7 @@
 #include "device_choice.h"
 #include "opencl/backend.h"
 #include "support/environment.h"
+#include "support/scratch.h"
 #include "vasamesh/errors.h"
 #include "vasamesh/host.h"
 
@@ -200,6 +201,39 @@ TEST_F(OpenClDevices, BufferLargerThanTheDeviceGivesIsRefused) {
     EXPECT_NE(std::string(error.what()).find(backend->device()), std::string::npos);
   }
   EXPECT_EQ(backend->bytes_held(), 0u);
+}
+
+TEST_F(OpenClDevices, TuningIsRememberedAndUsed) {
+  const Scratch folder;
+  EXPECT_FALSE(load_tuning(0, folder / "cache"));
+  Tuning tuning;
+  tuning.shape = {32, 128, 8, 256, 128};
+  tuning.stages = bit_of(Stage::poisson) | bit_of(Stage::lattice);
+  tuning.seconds = 0.125;
+  tuning.tbb_seconds = 0.5;
+  store_tuning(0, folder / "cache", tuning);
+  const std::optional<Tuning> loaded = load_tuning(0, folder / "cache");
+  ASSERT_TRUE(loaded);
+  EXPECT_EQ(loaded->shape, tuning.shape);
+  EXPECT_EQ(loaded->stages, tuning.stages);
+  EXPECT_EQ(loaded->seconds, 0.125);
+  EXPECT_EQ(loaded->tbb_seconds, 0.5);
+}
+
+TEST_F(OpenClDevices, StagesCanBeLeftToOthers) {
+  OpenClOptions options;
+  options.stages = bit_of(Stage::poisson);
+  const auto backend = make_opencl_backend(options);
+  EXPECT_TRUE(backend->offers(Stage::poisson));
+  EXPECT_FALSE(backend->offers(Stage::points));
+  EXPECT_FALSE(backend->offers(Stage::mesh));
+}
+
+TEST(Shapes, AreAllDifferent) {
+  const std::vector<WorkShape> shapes = shapes_to_try();
+  for (std::size_t i = 0; i < shapes.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j) EXPECT_FALSE(shapes[i] == shapes[j]);
+  EXPECT_GE(shapes.size(), 8u);
 }
 
 }  // namespace

@@ -189,6 +189,25 @@ TEST_F(OpenClFailure, DeviceThatIsNotReadyIsNotListed) {
   }
 }
 
+/// Work-groups and memory of its own, as a GPU has.
+TEST_F(OpenClFailure, DeviceThatIsNoCpuGivesTheSameBytesAndIsCopiedTo) {
+  failing::pretend(CL_DEVICE_TYPE, CL_DEVICE_TYPE_GPU);
+  EXPECT_EQ(list_opencl_devices()[0].type, "gpu");
+  const Result result = convert_on("opencl");
+  EXPECT_FALSE(fell_back(result.report));
+  EXPECT_EQ(result.mesh.vertices, wanted().vertices);
+  EXPECT_EQ(result.mesh.triangles, wanted().triangles);
+  std::int64_t launches = 0, copies = 0, bytes = 0;
+  for (const StageReport& stage : result.report.stages) {
+    launches += stage.launches;
+    copies += stage.copies;
+    bytes += stage.bytes_copied;
+  }
+  EXPECT_GT(launches, 100);
+  EXPECT_GT(copies, 10);
+  EXPECT_GT(bytes, 10000);
+}
+
 TEST_F(OpenClFailure, DeviceWithoutDoublesServes) {
   failing::pretend(CL_DEVICE_DOUBLE_FP_CONFIG, 0);
   EXPECT_FALSE(list_opencl_devices()[0].doubles);

@@ -29,6 +29,7 @@ struct CheckRequest {
   std::string surface;
   std::string volume;     ///< --against; empty: none
   std::string reference;  ///< --reference; empty: none
+  std::string map;        ///< --map; empty: none
   bool json = false;
   ReadOptions read;
   Connectivity connectivity = Connectivity::vertex;
@@ -56,11 +57,18 @@ struct BenchRequest {
   Parameters parameters;
 };
 
+/// `vasamesh tune`.
+struct TuneRequest {
+  std::string device;  ///< as of ContextOptions; empty: all OpenCL devices
+  int threads = 0;     ///< of oneTBB, which devices are compared with
+};
+
 /// Each does one whole command; results go to stdout. \throws Error
 void run_convert(const ConvertRequest& request);
 void run_check(const CheckRequest& request);
 void run_phantom(const PhantomRequest& request);
 void run_devices();
 void run_bench(const BenchRequest& request);
+void run_tune(const TuneRequest& request);
 
 }  // namespace vasamesh::cli

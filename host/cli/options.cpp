@@ -169,6 +169,7 @@ CLI::App* add_check(CLI::App& app, CheckRequest& request) {
   add_space(check, request.space, "Space of SURFACE, for --against");
   add_threads(check, request.threads);
   check->add_flag("--json", request.json, "Print JSON");
+  check->add_option("--map", request.map, "Write the curvatures and shapes on the surface, .vtp");
   check->footer(kCheckExamples);
   return check;
 }
@@ -201,6 +202,15 @@ CLI::App* add_devices(CLI::App& app) {
   CLI::App* devices = app.add_subcommand("devices", "List what conversions can run on");
   devices->footer("Examples:\n  vasamesh devices");
   return devices;
+}
+
+CLI::App* add_tune(CLI::App& app, TuneRequest& request) {
+  CLI::App* tune = app.add_subcommand(
+      "tune", "Try out OpenCL devices; remember their fastest kernel shapes and stages");
+  tune->add_option("--device", request.device, "A number, type or part of a name; all");
+  add_threads(tune, request.threads);
+  tune->footer("Examples:\n  vasamesh tune\n  vasamesh tune --device gpu");
+  return tune;
 }
 
 CLI::App* add_bench(CLI::App& app, BenchRequest& request) {

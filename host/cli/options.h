@@ -15,5 +15,6 @@ CLI::App* add_check(CLI::App& app, CheckRequest& request);
 CLI::App* add_phantom(CLI::App& app, PhantomRequest& request);
 CLI::App* add_devices(CLI::App& app);
 CLI::App* add_bench(CLI::App& app, BenchRequest& request);
+CLI::App* add_tune(CLI::App& app, TuneRequest& request);
 
 }  // namespace vasamesh::cli

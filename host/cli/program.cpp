@@ -93,7 +93,9 @@ int run(int argc, const char* const* argv) {
   const CLI::App* phantom_app = add_phantom(app, phantom);
   add_devices(app);
   BenchRequest bench;
+  TuneRequest tune;
   const CLI::App* bench_app = add_bench(app, bench);
+  const CLI::App* tune_app = add_tune(app, tune);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -105,6 +107,7 @@ int run(int argc, const char* const* argv) {
     if (check_app->parsed()) return run_check(check);
     if (phantom_app->parsed()) return run_phantom(phantom);
     if (bench_app->parsed()) return run_bench(bench);
+    if (tune_app->parsed()) return run_tune(tune);
     run_devices();
   });
 }

@@ -21,10 +21,16 @@ bool is_cpu(const cl::Device& device) {
   return (ask<CL_DEVICE_TYPE>(device) & CL_DEVICE_TYPE_CPU) != 0;
 }
 
-WorkShape shape_for(const cl::Device& device, KernelShape wanted) {
-  if (wanted == KernelShape::by_device)
-    wanted = is_cpu(device) ? KernelShape::one_item : KernelShape::work_group;
-  return wanted == KernelShape::one_item ? kOneItemShape : kWorkGroupShape;
+WorkShape usual_shape(const cl::Device& device) {
+  return is_cpu(device) ? kOneItemShape : kWorkGroupShape;
+}
+
+WorkShape shape_for(const cl::Device& device, const OpenClOptions& options) {
+  if (options.work_shape) return *options.work_shape;
+  if (options.shape == KernelShape::one_item) return kOneItemShape;
+  if (options.shape == KernelShape::work_group) return kWorkGroupShape;
+  const std::optional<Tuning> tuning = load_tuning(options.device, options.cache_folder);
+  return tuning ? tuning->shape : usual_shape(device);
 }
 
 bool shares_memory(const cl::Device& device, DeviceCopies wanted) {
@@ -45,6 +51,10 @@ std::uint64_t starts_of(std::vector<std::uint64_t>& totals) {
 
 }  // namespace
 
+WorkShape usual_opencl_shape(int device) {
+  return usual_shape(opencl_devices().at(static_cast<std::size_t>(device)));
+}
+
 std::shared_ptr<Backend> make_opencl_backend(const OpenClOptions& options) {
   const std::vector<cl::Device> devices = opencl_devices();
   if (devices.empty())
@@ -58,8 +68,8 @@ std::shared_ptr<Backend> make_opencl_backend(const OpenClOptions& options) {
   const cl::Device& device = devices[static_cast<std::size_t>(options.device)];
   try {
     return std::make_shared<OpenClBackend>(
-        device, shape_for(device, options.shape), shares_memory(device, options.copies),
-        cache_for(device, options.cache_folder), options.workers, options.total);
+        device, shape_for(device, options), shares_memory(device, options.copies),
+        cache_for(device, options.cache_folder), options.workers, options.total, options.stages);
   } catch (const DeviceFailure& failure) {
     throw Error(ErrorCode::no_device, std::string("the OpenCL device cannot be opened: ") +
                                           failure.what() + "; see vasamesh devices");
@@ -68,13 +78,14 @@ std::shared_ptr<Backend> make_opencl_backend(const OpenClOptions& options) {
 
 OpenClBackend::OpenClBackend(cl::Device device, const WorkShape& shape, bool shared_memory,
                              std::optional<ProgramCache> cache, std::shared_ptr<Backend> workers,
-                             std::shared_ptr<ByteAccount> total)
+                             std::shared_ptr<ByteAccount> total, std::uint32_t stages)
     : device_(std::move(device)),
       device_name_(ask<CL_DEVICE_NAME>(device_)),
       largest_buffer_(ask<CL_DEVICE_MAX_MEM_ALLOC_SIZE>(device_)),
       global_memory_(ask<CL_DEVICE_GLOBAL_MEM_SIZE>(device_)),
       shape_(shape),
       workers_(std::move(workers)),
+      stages_(stages),
       account_(std::move(total)) {
   if (const std::string lack = lacks(device_, shape_); !lack.empty())
     throw DeviceFailure(ErrorCode::no_device,

@@ -4,18 +4,21 @@
 /// The OpenCL backend: the stages that have kernels (kernels/*.cl), on one OpenCL 1.2 device. It
 /// gives the same bytes as the oneTBB backend on devices that divide and round as IEEE 754 says.
 
+#include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "backend/backend.h"
+#include "opencl/work_shape.h"
 #include "vasamesh/host.h"
 
 namespace vasamesh {
 
 /// How a kernel is cut into work-items. The arithmetic is the same for both.
 enum class KernelShape {
-  by_device,   ///< one_item on a CPU, work_group elsewhere
+  by_device,   ///< as tuned, else one_item on a CPU, work_group elsewhere
   one_item,    ///< one work-item takes a brick
   work_group,  ///< one work-group takes a brick, a work-item a row of 8 cells
 };
@@ -30,6 +33,8 @@ enum class DeviceCopies {
 struct OpenClOptions {
   int device = 0;  ///< a number of list_opencl_devices()
   KernelShape shape = KernelShape::by_device;
+  std::optional<WorkShape> work_shape;  ///< instead of what `shape` says
+  std::uint32_t stages = kAllStages;    ///< bit_of each Stage that it offers, of those with kernels
   DeviceCopies copies = DeviceCopies::by_device;
   /// Where built programs are kept; empty: $XDG_CACHE_HOME/vasamesh or ~/.cache/vasamesh, and
   /// nowhere on platforms that keep them themselves. A folder that cannot be written costs a build
@@ -43,6 +48,9 @@ struct OpenClOptions {
 /// The OpenCL devices of all platforms that are ready and have a compiler, numbered from 0 in the
 /// loader's order, where devices that are not leave gaps. Empty where there is no platform.
 std::vector<DeviceInfo> list_opencl_devices();
+
+/// What a device gets that was not tuned.
+WorkShape usual_opencl_shape(int device);
 
 /// Opens a device. Its passes may be called from one thread at a time.
 /// \throws Error no_device: no such device, it cannot be opened, or it does not compute as the

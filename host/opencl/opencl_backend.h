@@ -32,11 +32,13 @@ class OpenClBackend final : public Backend {
   /// \param workers  runs the tasks of run().
   OpenClBackend(cl::Device device, const WorkShape& shape, bool shared_memory,
                 std::optional<ProgramCache> cache, std::shared_ptr<Backend> workers,
-                std::shared_ptr<ByteAccount> total);
+                std::shared_ptr<ByteAccount> total, std::uint32_t stages);
 
   std::string name() const override { return "opencl"; }
   std::string device() const override { return device_name_; }
-  bool offers(Stage stage) const override { return stage <= Stage::sizing; }
+  bool offers(Stage stage) const override {
+    return stage <= Stage::sizing && (stages_ & bit_of(stage));
+  }
   std::size_t memory() const override { return global_memory_; }
   std::size_t bytes_held() const override { return account_.held(); }
   std::size_t bytes_peak() const override { return account_.peak(); }
@@ -213,6 +215,7 @@ class OpenClBackend final : public Backend {
   std::optional<DeviceMemory> memory_;
   std::shared_ptr<Backend> workers_;
   std::int64_t launches_ = 0;
+  std::uint32_t stages_;  ///< bit_of those that it offers
   ByteAccount account_;
   Buffer<float> sums_;            // of reduce_sum
   Buffer<std::uint64_t> totals_;  // of exclusive_scan, a block an entry

@@ -13,17 +13,9 @@
 #include "opencl/check.h"
 #include "opencl/kernel_sources.h"
 #include "opencl/program_cache.h"
+#include "opencl/work_shape.h"
 
 namespace vasamesh {
-
-/// How kernels are cut into work-items on one kind of device: macros of kernels/common.cl.
-struct WorkShape {
-  int brick_items, scan_items, scan_run, fold_items, reduce_items;
-
-  int scan_block() const { return scan_items * scan_run; }
-};
-inline constexpr WorkShape kOneItemShape{1, 1, 16384, 64, 1};
-inline constexpr WorkShape kWorkGroupShape{64, 128, 8, 64, 128};
 
 class Programs {
  public:
