@@ -11,14 +11,10 @@ namespace vasamesh {
 
 namespace {
 
-constexpr std::size_t kCells = 64;        // size cells a brick
-constexpr std::size_t kSampleGrain = 64;  // samples a task takes
+constexpr std::size_t kCells = 64;  // size cells a brick
 constexpr std::size_t kTriangleGrain = 8192;
 constexpr float kRings[] = {1, 1, 2, 3};  // steps to the distances at which normals are compared
-constexpr float kReach = 0.5f;            // how far a base vertex may be from the zero set
-constexpr float kLargestRadius = 1e6f;
-constexpr float kFarthest = 32;  // lengths that a size is carried at most
-constexpr int kSteps = 6;        // Newton steps
+constexpr float kFarthest = 32;           // lengths that a size is carried at most
 constexpr std::uint32_t kNoVertex = 0xffffffffu;
 
 /// The first base vertex of each cell, not yet on the zero set.
@@ -38,13 +34,15 @@ SurfaceSamples first_vertices(const FieldView& field, const TriangleMesh& surfac
   return samples;
 }
 
-void settle(const FieldView& field, SurfaceSamples& samples, std::size_t i) {
-  Vec3 p = samples.position[i];
-  const FieldSample at = project_to_surface(field, kReach, kSteps, p);
-  if (!at.known) return;
-  samples.position[i] = p;
-  samples.normal[i] = -normalised(at.gradient);
-  samples.radius[i] = radius_of_curvature(field, p, samples.normal[i]);
+/// Puts the samples on the zero set and takes normals and radii there.
+void measure(Backend& backend, const FieldView& field, SurfaceSamples& samples) {
+  Buffer<Vec3> positions(backend, samples.count()), normals(backend, samples.count());
+  Buffer<float> radii(backend, samples.count());
+  backend.upload<Vec3>(positions.view(), samples.position);
+  backend.sizing_measure(field, positions.view(), normals.view(), radii.view());
+  backend.download<Vec3>(positions.view(), samples.position);
+  backend.download<Vec3>(normals.view(), samples.normal);
+  backend.download<float>(radii.view(), samples.radius);
 }
 
 float size_for(const SizeRule& rule, float radius) {
@@ -178,7 +176,7 @@ struct Walk {
 /// found, and the walk stays where it was.
 float walk_on(const FieldView& field, const Vec3& p, const Vec3& normal, float step, Walk& walk) {
   Vec3 q = walk.at + step * walk.direction;
-  const FieldSample found = project_to_surface(field, step, kSteps, q);
+  const FieldSample found = project_to_surface(field, step, kSampleSteps, q);
   if (!found.known) return 0;
   const Vec3 there = -normalised(found.gradient);
   walk = {q, normalised(walk.direction - dot(walk.direction, there) * there)};
@@ -255,12 +253,7 @@ SizeField make_sizes(Backend& backend, const IndicatorField& field, const Triang
   const FieldView view = field.view();
   SizeField result;
   result.samples = first_vertices(view, surface);
-  const std::size_t count = result.samples.count();
-  backend.run((count + kSampleGrain - 1) / kSampleGrain, [&](std::size_t task) {
-    const std::size_t end = std::min((task + 1) * kSampleGrain, count);
-    for (std::size_t i = task * kSampleGrain; i < end; ++i) settle(view, result.samples, i);
-  });
-
+  measure(backend, view, result.samples);
   smooth_radii(backend, field, result.samples);
   result.sizes = Buffer<float>(backend, view.coefficients.size / kBrickCells * kCells);
   apply_rule(backend, field, surface, rule, {}, result);
