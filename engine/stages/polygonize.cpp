@@ -164,11 +164,13 @@ Polygonizer::Polygonizer(Scheduler& scheduler, const Lattice& lattice,
       base_(std::move(base)),
       farthest_(kFarShare * distance_limit(scale)) {
   for (std::size_t i = 0; i < base_.vertices.size(); ++i) base_.vertices[i] *= scale_[i % 3];
-  scheduler_.begin("sizes", Stage::mesh);
+  scheduler_.begin("sizes", Stage::sizing);
+  Backend& sizing = scheduler_.backend_for(Stage::sizing);
+  sizing.on_host(View<const std::uint8_t>(lattice.state.view()));
   base_tree_ = build_triangle_tree(backend_, base_);
   face_centres_ = find_face_centres(lattice, scale);
-  field_ = make_field(backend_, lattice, size, scale);
-  sizes_ = make_sizes(backend_, field_, base_, rule_);
+  field_ = make_field(sizing, lattice, size, scale);
+  sizes_ = make_sizes(sizing, field_, base_, rule_);
   if (wanted_triangles_ > 0) aim(wanted_triangles_);
   report_.predicted_triangles = sizes_.predicted_triangles;
 }

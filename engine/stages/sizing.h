@@ -20,6 +20,12 @@
 
 namespace vasamesh {
 
+/// How far a base vertex may be from the zero set, in voxel lengths; Newton steps onto it.
+inline constexpr float kSampleReach = 0.5f;
+inline constexpr int kSampleSteps = 6;
+
+inline constexpr float kLargestRadius = 1e6f;
+
 /// The surface at one place of each cell that it passes, in ascending order of cells.
 struct SurfaceSamples {
   std::vector<std::uint32_t> cell;  ///< 64 * brick + place
@@ -54,7 +60,6 @@ struct SizeRule {
 float radius_of_curvature(const FieldView& field, const Vec3& p, const Vec3& normal);
 
 /// \param surface  the base surface, in voxel lengths: where the radii are taken.
-/// \pre the backend's memory is the host's.
 SizeField make_sizes(Backend& backend, const IndicatorField& field, const TriangleMesh& surface,
                      const SizeRule& rule);
 
