@@ -58,8 +58,7 @@ double fraction(std::size_t count, std::size_t of) {
 
 /// Ratios, at least 1, of the mean edges of two triangles that share an edge, each edge once.
 std::vector<float> size_ratios(Backend& backend, const TriangleMesh& mesh,
-                               const std::vector<float>& mean_edge) {
-  const VertexCorners corners = vertex_corners(mesh);
+                               const VertexCorners& corners, const std::vector<float>& mean_edge) {
   std::vector<std::vector<float>> parts(chunks(mesh.vertex_count()));
   backend.run(parts.size(), [&](std::size_t part) {
     const std::size_t end = std::min((part + 1) * kChunk, mesh.vertex_count());
@@ -93,19 +92,23 @@ Distribution describe(std::vector<float>& values) {
   for (float value : values) sum += value;
   const double mean = sum / count;
   for (float value : values) squares += (value - mean) * (value - mean);
-  const auto percentile = [&](double share) {
-    const auto rank = static_cast<std::ptrdiff_t>(std::max(1.0, std::ceil(share * count))) - 1;
-    std::nth_element(values.begin(), values.begin() + rank, values.end());
-    return static_cast<double>(values[rank]);
+  const auto rank = [&](double share) {
+    return values.begin() + static_cast<std::ptrdiff_t>(std::max(1.0, std::ceil(share * count))) -
+           1;
   };
+  // The outer percentiles are sought on their own side of the median alone.
+  const auto low = rank(0.05), middle = rank(0.5), high = rank(0.95);
+  std::nth_element(values.begin(), middle, values.end());
   Distribution result;
+  result.median = *middle;
+  std::nth_element(values.begin(), low, middle);
+  result.percentile_5 = *low;
+  std::nth_element(middle, high, values.end());
+  result.percentile_95 = *high;
+  result.minimum = *std::min_element(values.begin(), low + 1);
+  result.maximum = *std::max_element(high, values.end());
   result.mean = mean;
   result.deviation = std::sqrt(squares / count);
-  result.minimum = *std::min_element(values.begin(), values.end());
-  result.percentile_5 = percentile(0.05);
-  result.median = percentile(0.5);
-  result.percentile_95 = percentile(0.95);
-  result.maximum = *std::max_element(values.begin(), values.end());
   return result;
 }
 
@@ -116,7 +119,13 @@ QualityReport measure_quality(Backend& backend, const TriangleMesh& mesh) {
   std::vector<float> ratio(count), angle(count), mean_edge(count);
   std::vector<double> area(chunks(count), 0), volume(chunks(count), 0);
   const Point origin = vertex(mesh, mesh.triangles[0]);
-  backend.run(chunks(count), [&](std::size_t chunk) {
+  VertexCorners corners;  // of one task, while the others measure
+  backend.run(1 + chunks(count), [&](std::size_t task) {
+    if (task == 0) {
+      corners = vertex_corners(mesh);
+      return;
+    }
+    const std::size_t chunk = task - 1;
     for (std::size_t t = chunk * kChunk; t < std::min((chunk + 1) * kChunk, count); ++t) {
       const Figures f = figures_of(mesh, t, origin);
       ratio[t] = f.longest > 0 ? static_cast<float>(f.shortest / f.longest) : 0.0f;
@@ -134,7 +143,7 @@ QualityReport measure_quality(Backend& backend, const TriangleMesh& mesh) {
   report.edge_ratio_above_08 = share([](float tau) { return tau >= 0.8f; });
   report.edge_ratio_below_03 = share([](float tau) { return tau < 0.3f; });
   report.edge_ratio_below_01 = share([](float tau) { return tau < 0.1f; });
-  std::vector<float> ratios = size_ratios(backend, mesh, mean_edge);
+  std::vector<float> ratios = size_ratios(backend, mesh, corners, mean_edge);
   backend.run(3, [&](std::size_t figure) {
     if (figure == 0) report.edge_ratio = describe(ratio);
     if (figure == 1) report.least_angle = describe(angle);
