@@ -148,7 +148,8 @@ Result run_pipeline(const VolumeView& volume, const Parameters& parameters, Sche
     scheduler.begin("surface", Stage::surface);
     TriangleMesh base = extract_base_surface(scheduler.backend_for(Stage::surface), lattice);
     Polygonizer polygonizer(scheduler, lattice, object.size, scale, std::move(base), parameters);
-    adaptive = proven_surface(polygonizer, scheduler, wanted, report);
+    if (polygonizer.is_worthwhile(solid.topology))
+      adaptive = proven_surface(polygonizer, scheduler, wanted, report);
   }
   result.mesh = adaptive ? std::move(*adaptive) : proven_base(lattice, scheduler, wanted, report);
   scheduler.begin("quality", Stage::verify);

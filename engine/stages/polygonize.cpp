@@ -24,6 +24,7 @@ namespace vasamesh {
 
 namespace {
 
+constexpr double kLeastTriangles = 120;  // for each piece, handle and cavity but one
 constexpr int kFrontAttempts = 6;        // surfaces of mesh expanding
 constexpr int kRemeshAttempts = 3;       // then, of the base surface remeshed whole
 constexpr int kAims = 3;                 // attempts at a number of triangles
@@ -133,6 +134,11 @@ void Polygonizer::aim(double triangles) {
                                     " triangles: ask for about " +
                                     std::to_string(static_cast<std::int64_t>(reached)) +
                                     (reached > triangles ? " or more" : " or fewer"));
+}
+
+bool Polygonizer::is_worthwhile(const Topology& topology) const {
+  const auto features = static_cast<double>(topology.pieces + topology.handles + topology.cavities);
+  return sizes_.predicted_triangles >= kLeastTriangles * (features - 1);
 }
 
 std::optional<TriangleMesh> Polygonizer::next() {

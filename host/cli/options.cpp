@@ -106,7 +106,7 @@ void add_edge_lengths(CLI::App* app, Parameters& p) {
                          "How gaps are triangulated", "exact");
   add_choice<SurfaceKind>(
       app, "--surface", {{"adaptive", SurfaceKind::adaptive}, {"base", SurfaceKind::base}},
-      p.surface, "The fine lattice's triangles, or such as follow the curvature", "base");
+      p.surface, "The fine lattice's triangles, or such as follow the curvature", "adaptive");
 }
 
 void add_parameters(CLI::App* app, Parameters& p, std::int64_t& read_memory) {

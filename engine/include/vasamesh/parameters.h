@@ -71,7 +71,7 @@ struct Parameters {
                                 ///< thick, in voxels, 0.5 to 4: the smoothing knob
   Connectivity connectivity = Connectivity::vertex;
   bool close_handles = false;   ///< fill tunnels and cavities that the smooth field does not have
-  SurfaceKind surface = SurfaceKind::base;
+  SurfaceKind surface = SurfaceKind::adaptive;
   EdgeLengths edges;            ///< of the adaptive surface
   StitchMode stitch = StitchMode::exact;
   std::int64_t min_component = 0;  ///< drop pieces of fewer voxels; 0 keeps all
