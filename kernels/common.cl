@@ -45,9 +45,10 @@
   for (int z = (z0); z < (z1); ++z)        \
     for (int y = (y0); y < (y1); ++y)
 #else
-#define FOR_OWN_ROWS(y, y0, y1, z, z0, z1)                                            \
-  for (int y = get_local_id(0) & 7, z = get_local_id(0) >> 3, once_ = 1;              \
-       once_ && y >= (y0) && y < (y1) && z >= (z0) && z < (z1); once_ = 0)
+#define FOR_OWN_ROWS(y, y0, y1, z, z0, z1)                                          \
+  for (int row_ = get_local_id(0); row_ < BRICK_ROWS; row_ += BRICK_ITEMS)          \
+    for (int y = row_ & 7, z = row_ >> 3, once_ = 1;                                \
+         once_ && y >= (y0) && y < (y1) && z >= (z0) && z < (z1); once_ = 0)
 #endif
 
 /// Row (y, z), each -1..8, of the brick with this neighbour table, or of the brick next to it;

@@ -33,7 +33,7 @@ residuals, and the surface byte by byte.
 {stages}
 ## Growing inputs
 
-Random trees of the same voxels, in seconds. The plot is [backends.png](backends.png).
+Random trees in volumes of growing size, in seconds. The plot is [backends.png](backends.png).
 
 {growth}"""
 

@@ -44,7 +44,7 @@ everything() {
   section devices
   "$program" devices
   section tests
-  ctest --test-dir "$build" -R -i 'opencl|backend|passes' --output-on-failure | tail -n 5 || true
+  ctest --test-dir "$build" -R 'opencl|OpenCl|Backends' --output-on-failure | tail -n 5 || true
   section tuning
   "$program" tune
   section bytes

@@ -56,8 +56,8 @@ TEST_F(ApproachTest, NothingChangesWhereNoPointIsFar) {
 
 TEST_F(ApproachTest, LongChordsAreSplit) {
   const float before = farthest_from(mesh_, points_);
-  const TriangleMesh mesh = near(points_, 0.7f * before, *backend_);
-  EXPECT_LE(farthest_from(mesh, points_), 0.7f * before);
+  const TriangleMesh mesh = near(points_, 0.8f * before, *backend_);
+  EXPECT_LE(farthest_from(mesh, points_), 0.8f * before);
   EXPECT_GT(mesh.triangle_count(), mesh_.triangle_count());
   EXPECT_LT(mesh.triangle_count(), 2 * mesh_.triangle_count());
   expect_good_surface(mesh, Topology{1, 0, 0});

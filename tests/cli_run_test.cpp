@@ -80,6 +80,20 @@ TEST(Check, ASurfaceHasNoDistanceToItself) {
   EXPECT_FALSE(report["distance"].contains("voxel_mm"));
 }
 
+TEST(Check, WritesAMapOfCurvatures) {
+  const Scratch folder;
+  run({"phantom", "sphere", "--radius", "6", "--spacing", "0.5", "0.5", "0.5", "-o",
+       folder / "sphere.nii.gz", "--surface", folder / "sphere.ply"});
+  const json report =
+      json::parse(run({"check", folder / "sphere.ply", "--json", "--map", folder / "map.vtp"}));
+  EXPECT_NEAR(report["rms_curvature"]["mean"], 1 / 3.0, 0.1 / 3);
+  const std::string map = read_text(folder / "map.vtp");
+  for (const char* name : {"rms_curvature", "kmax", "kmin", "area", "edge_ratio", "least_angle"})
+    EXPECT_THAT(map, HasSubstr(std::string("Name=\"") + name + "\""));
+  EXPECT_EQ(run_program(command({"check", folder / "sphere.ply", "--map", folder / "a.txt"})).code,
+            2);
+}
+
 class Convert : public testing::Test {
  protected:
   Convert() { run({"phantom", "torus", "-o", volume_}); }

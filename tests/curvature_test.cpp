@@ -9,12 +9,15 @@
 #include <cmath>
 
 #include "support/shapes.h"
+#include "tbb/backend.h"
 
 namespace vasamesh::test {
 namespace {
 
 std::vector<Vec3> both_ways(const TriangleMesh& a, const TriangleMesh& b) {
-  const std::vector<Vec3> found = curvature_differences(a, b), back = curvature_differences(b, a);
+  const std::shared_ptr<Backend> backend = make_tbb_backend(2, nullptr);
+  const std::vector<Vec3> found = curvature_differences(*backend, a, b),
+                          back = curvature_differences(*backend, b, a);
   EXPECT_EQ(found.size(), back.size());
   return found;
 }

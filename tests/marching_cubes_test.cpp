@@ -5,9 +5,15 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <vector>
 
+#include "stages/bricks.h"
+#include "stages/distance.h"
 #include "stages/quality.h"
+#include "stages/solid_surface.h"
 #include "support/dense_volume.h"
 #include "support/invariants.h"
 #include "tbb/backend.h"
@@ -54,6 +60,60 @@ TEST(MarchingCubes, LiesWhereTheVoxelsLie) {
 TEST(MarchingCubes, TurnedAndMirroredVolumes) {
   expect_ball(ball({0, -1, 0, 1, 0, 0, 0, 0, 1}), {-10 - 8.25, 20 + 3.5, 30 + 15});
   expect_ball(ball({-1, 0, 0, 0, 1, 0, 0, 0, 1}), {-10 - 3.5, 20 + 8.25, 30 + 15});
+}
+
+/// The surfaces from the volume's whole cell lattice, in the caller's voxel units.
+SolidSurface from_lattice(const DenseVolume& volume) {
+  const auto backend = make_tbb_backend(2, nullptr);
+  const BitVolume bits = pack_plainly(*backend, volume);
+  std::vector<BrickCoord> coords;
+  for (int z = 0; z < bits.size[2] / 4; ++z)
+    for (int y = 0; y < bits.size[1] / 4; ++y)
+      for (int x = 0; x < bits.size[0] / 4; ++x) coords.push_back({x, y, z});
+  Lattice lattice;
+  lattice.bricks = make_bricks(*backend, coords);
+  lattice.state = Buffer<std::uint8_t>(*backend, lattice.bricks.count * kBrickCells);
+  backend->lattice_label(bits.view(), 26, lattice.bricks.view(), {1, 1, 1}, lattice.state.view());
+  SolidSurface surface = marching_cubes_of(*backend, lattice, {1, 1, 1});
+  for (TriangleMesh* mesh : {&surface.all, &surface.common})
+    for (float& x : mesh->vertices) x -= kPad + 0.5f;
+  return surface;
+}
+
+std::vector<std::array<float, 3>> sorted_vertices(const TriangleMesh& mesh) {
+  std::vector<std::array<float, 3>> vertices;
+  for (std::size_t i = 0; i < mesh.vertices.size(); i += 3)
+    vertices.push_back({mesh.vertices[i], mesh.vertices[i + 1], mesh.vertices[i + 2]});
+  std::sort(vertices.begin(), vertices.end());
+  return vertices;
+}
+
+/// VTK's surface lies between the lattice's two.
+void expect_between(const DenseVolume& volume, double thickness) {
+  const SolidSurface surface = from_lattice(volume);
+  const TriangleMesh wanted = marching_cubes({volume.view().geometry, volume.voxels});
+  EXPECT_EQ(sorted_vertices(surface.all), sorted_vertices(wanted));
+  EXPECT_EQ(surface.common.vertices, surface.all.vertices);
+  const auto backend = make_tbb_backend(2, nullptr);
+  const DistanceReport all = measure_distance(*backend, surface.all, wanted, 1, 0.1);
+  EXPECT_LT(all.back.maximum, 1e-5);
+  EXPECT_LT(all.to.maximum, thickness);
+  EXPECT_LT(all.to.mean, 0.2 * thickness);
+  const DistanceReport common = measure_distance(*backend, surface.common, wanted, 1, 0.1);
+  EXPECT_LT(common.to.maximum, 1e-5);
+  EXPECT_LT(common.back.maximum, 0.65);
+}
+
+TEST(MarchingCubes, LiesBetweenTheLatticesSurfaces) {
+  const Segmentation smooth = ball({1, 0, 0, 0, 1, 0, 0, 0, 1});
+  DenseVolume volume({20, 21, 22});
+  volume.voxels = smooth.voxels;
+  expect_between(volume, 0.3);
+  unsigned seed = 0;
+  for (const double density : {0.02, 0.2, 0.5, 0.8, 0.97}) {
+    SCOPED_TRACE(density);
+    expect_between(random_volume({19, 14, 11}, density, ++seed), 0.5);
+  }
 }
 
 TEST(MarchingCubes, ClosedAtTheBorder) {

@@ -186,7 +186,7 @@ TEST_F(OpenClDevices, IndexOutOfRange) {
 
 TEST_F(OpenClDevices, MeshAndProofStayOnTheHost) {
   const auto backend = make_opencl_backend({});
-  EXPECT_TRUE(backend->offers(Stage::surface));
+  EXPECT_TRUE(backend->offers(Stage::sizing));
   EXPECT_FALSE(backend->offers(Stage::mesh));
   EXPECT_FALSE(backend->offers(Stage::verify));
 }

@@ -50,6 +50,12 @@ std::set<std::string> kernels_in(const std::string& text) {
   return names;
 }
 
+constexpr KernelSource kSmall[] = {
+    {"common.cl", "#define ONE 1.0f\n"},
+    {"small.cl",
+     "kernel void small_run(global float *v) { v[0] = ONE; }\n"
+     "kernel void small_walk(global float *v) { v[get_global_id(0)] = ONE; }\n"}};
+
 class OpenClPrograms : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -58,9 +64,8 @@ class OpenClPrograms : public ::testing::Test {
     device_ = devices[0];
     context_ = cl::Context(device_);
   }
-  Programs programs(const fs::path& cache, std::span<const KernelSource> sources = kernel_sources(),
-                    const WorkShape& shape = kOneItemShape) {
-    return Programs(context_, device_, shape, ProgramCache(cache), sources);
+  Programs programs(const fs::path& cache, std::span<const KernelSource> sources = kSmall) {
+    return Programs(context_, device_, kOneItemShape, ProgramCache(cache), sources);
   }
 
   cl::Device device_;
@@ -68,9 +73,8 @@ class OpenClPrograms : public ::testing::Test {
 };
 
 TEST_F(OpenClPrograms, EveryKernelOfEveryFileBuilds) {
-  const TemporaryFolder folder("every_kernel");
   for (const WorkShape& shape : {kOneItemShape, kWorkGroupShape}) {
-    Programs built = programs(folder.path(), kernel_sources(), shape);
+    Programs built(context_, device_, shape, std::nullopt);
     std::set<std::string> seen;
     for (const KernelSource& source : kernel_sources()) {
       const std::string stage(source.file.substr(0, source.file.find('.')));
@@ -102,28 +106,28 @@ TEST_F(OpenClPrograms, FailedBuildNamesFileDeviceAndLine) {
   EXPECT_EQ(folder.files(), 0u);
 }
 
-TEST_F(OpenClPrograms, UnknownKernelAndFile) {
+TEST_F(OpenClPrograms, UnknownKernels) {
   const TemporaryFolder folder("unknown");
   Programs built = programs(folder.path());
-  EXPECT_THROW(built.kernel("poisson_nothing"), Error);
+  EXPECT_THROW(built.kernel("small_nothing"), Error);
   EXPECT_THROW(built.kernel("nothing_at_all"), Error);
 }
 
 TEST_F(OpenClPrograms, ProgramIsKeptAndTakenFromTheCache) {
   const TemporaryFolder folder("kept");
-  programs(folder.path()).kernel("poisson_apply");
+  programs(folder.path()).kernel("small_run");
   ASSERT_EQ(folder.files(), 1u);
   const fs::path file = fs::directory_iterator(folder.path())->path();
   const auto written = fs::last_write_time(file) - std::chrono::hours(1);
   fs::last_write_time(file, written);
-  programs(folder.path()).kernel("poisson_residual");
+  programs(folder.path()).kernel("small_walk");
   EXPECT_EQ(folder.files(), 1u);
   EXPECT_EQ(fs::last_write_time(file), written) << "built again, though it was there";
 }
 
 TEST_F(OpenClPrograms, DamagedFileIsBuiltAgain) {
   const TemporaryFolder folder("damaged");
-  programs(folder.path()).kernel("poisson_apply");
+  programs(folder.path()).kernel("small_run");
   const fs::path file = fs::directory_iterator(folder.path())->path();
   const auto size = fs::file_size(file);
   {
@@ -131,22 +135,22 @@ TEST_F(OpenClPrograms, DamagedFileIsBuiltAgain) {
     stream.seekp(static_cast<std::streamoff>(size) - 100);
     stream.put('?').put('!');
   }
-  EXPECT_NO_THROW(programs(folder.path()).kernel("poisson_apply"));
+  EXPECT_NO_THROW(programs(folder.path()).kernel("small_run"));
   fs::resize_file(file, size / 2);
-  EXPECT_NO_THROW(programs(folder.path()).kernel("poisson_apply"));
+  EXPECT_NO_THROW(programs(folder.path()).kernel("small_run"));
   EXPECT_EQ(fs::file_size(file), size) << "not written again";
 }
 
 TEST_F(OpenClPrograms, FolderThatCannotBeMadeCostsNoError) {
   const TemporaryFolder folder("no_folder");
   std::ofstream(folder.path()) << "a file where the folder should be";
-  EXPECT_NO_THROW(programs(folder.path() / "cache").kernel("poisson_apply"));
+  EXPECT_NO_THROW(programs(folder.path() / "cache").kernel("small_run"));
 }
 
 TEST_F(OpenClPrograms, ProbeTellsContractionApart) {
   const TemporaryFolder folder("probe");
   const cl::CommandQueue queue(context_, device_);
-  Programs as_built = programs(folder.path());
+  Programs as_built(context_, device_, kOneItemShape, std::nullopt);
   EXPECT_TRUE(arithmetic_as_specified(context_, queue, as_built));
   const KernelSource sources[] = {
       {"common.cl", ""},

@@ -148,7 +148,9 @@ TEST_P(StagesAgree, OnNoiseOfEverySpacingAndConnectivity) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Backends, StagesAgree,
-                         ::testing::Values("opencl_one_item", "opencl_work_group"), test_name);
+                         ::testing::Values("opencl_one_item", "opencl_small_group",
+                                           "opencl_work_group"),
+                         test_name);
 
 }  // namespace
 }  // namespace vasamesh

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 
 #include "stages/patch_clearance.h"
@@ -43,7 +44,7 @@ PatchMesh wheel(int n, const Vec3& centre, float radius, float size) {
 class PatchPasses : public ::testing::Test {
  protected:
   RemeshGoal goal(float size) {
-    return {field_.view(), field_.sizes(size / RemeshGoal::kLengthFactor), {}, false};
+    return {field_.view(), field_.sizes(size / RemeshGoal::kLengthFactor), nullptr, false};
   }
   AnalyticField field_ = plane_field(16, kHeight);
 };
@@ -209,9 +210,9 @@ TEST_F(PatchPasses, APointGoesOntoTheSurfaceOrStays) {
 }
 
 TEST_F(PatchPasses, PlacesShortenEdges) {
-  const CarefulPlace places[] = {{{8, 8, 8}, 2, 0.5f}, {{9, 8, 8}, 1, 0}};
+  const Places places(std::array<CarefulPlace, 2>{{{{8, 8, 8}, 2, 0.5f}, {{9, 8, 8}, 1, 0}}});
   RemeshGoal wanted = goal(1);
-  wanted.places = places;
+  wanted.places = &places;
   EXPECT_FLOAT_EQ(wanted.size_at({3, 3, 8}), 1);
   EXPECT_FLOAT_EQ(wanted.size_at({7, 8, 8}), 0.5f);
   EXPECT_FLOAT_EQ(wanted.size_at({9, 8, 8}), 0);

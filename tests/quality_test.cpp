@@ -83,6 +83,35 @@ TEST(Quality, PercentilesAreRanks) {
   EXPECT_NEAR(d.deviation, std::sqrt((1013.0 * 1013 - 1) / 12), 1e-6);
 }
 
+TEST(Quality, WeightsCountAsRepeatedValues) {
+  const std::vector<float> values = {3, 1, 2, 9, 1.5f}, weights = {40, 30, 20, 0, 10};
+  std::vector<float> repeated;
+  for (std::size_t i = 0; i < values.size(); ++i)
+    repeated.insert(repeated.end(), static_cast<std::size_t>(weights[i]), values[i]);
+  const Distribution plain = describe(repeated), weighted = describe_weighted(values, weights);
+  EXPECT_NEAR(weighted.mean, plain.mean, 1e-12);
+  EXPECT_NEAR(weighted.deviation, plain.deviation, 1e-12);
+  EXPECT_EQ(weighted.minimum, 1);
+  EXPECT_EQ(weighted.percentile_5, plain.percentile_5);
+  EXPECT_EQ(weighted.median, plain.median);
+  EXPECT_EQ(weighted.median, 2);
+  EXPECT_EQ(weighted.percentile_95, plain.percentile_95);
+  EXPECT_EQ(weighted.maximum, 3);  // 9 has no weight
+  EXPECT_EQ(describe_weighted({5}, {0}).maximum, 0);
+}
+
+TEST(Quality, ShapesOneByOne) {
+  const auto backend = make_tbb_backend(1, nullptr);
+  TriangleMesh mesh = tetrahedron();
+  const TriangleShapes shapes = triangle_shapes(*backend, mesh);
+  ASSERT_EQ(shapes.edge_ratio.size(), 4u);
+  EXPECT_NEAR(shapes.edge_ratio[0], std::sqrt(0.5), 1e-6);
+  EXPECT_NEAR(shapes.edge_ratio[3], 1, 1e-6);
+  EXPECT_NEAR(shapes.least_angle[0], 45, 1e-4);
+  EXPECT_NEAR(shapes.least_angle[3], 60, 1e-4);
+  EXPECT_NEAR(shapes.mean_edge[3], std::sqrt(2.0), 1e-6);
+}
+
 TEST(Quality, SameForAnyNumberOfThreads) {
   const TriangleMesh mesh = torus(5, 2, 301, 199);
   const QualityReport one = measure(mesh, 1), two = measure(mesh, 2);

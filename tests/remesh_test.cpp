@@ -70,6 +70,17 @@ TEST(Remesh, ARingKeepsItsHandle) {
   expect_good_remesh(scene, scene.remeshed());
 }
 
+TEST(Remesh, AThinRingTakesNoMoreTrianglesThanItsSizesAskFor) {
+  for (const float radius : {0.6f, 0.7f, 0.8f}) {
+    SCOPED_TRACE(radius);
+    const Scene scene({36, 36, 16}, ring({18, 18, 8}, 11, radius));
+    const TriangleMesh mesh = scene.remeshed();
+    expect_good_remesh(scene, mesh);
+    EXPECT_NEAR(static_cast<double>(mesh.triangle_count()) / scene.sizes.predicted_triangles, 1,
+                0.12);
+  }
+}
+
 TEST(Remesh, EdgesFollowTheRadiusOfATaperedTube) {
   // From radius 1.5 to 5 along 40 lengths: h from about 0.9 to 3.
   SizeRule rule;
@@ -247,7 +258,7 @@ TEST(Remesh, PlacesCoverThePairs) {
       mesh.vertices.insert(mesh.vertices.end(), {x, static_cast<float>(i), 0});
   mesh.triangles = {0, 1, 2, 3, 4, 5, 6, 7, 8};
   const std::vector<TrianglePair> pairs = {{0, 1}, {1, 1}, {2, 2}};
-  const std::vector<CarefulPlace> places = places_of(mesh, pairs, 2, 0.5f);
+  const std::vector<CarefulPlace> places = places_at(centres_of(mesh, pairs), 2, 0.5f);
   ASSERT_EQ(places.size(), 2u);
   EXPECT_NEAR(places[0].centre.x, 0.25f, 1e-5);
   EXPECT_NEAR(places[1].centre.x, 20, 1e-4);

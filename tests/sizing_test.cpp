@@ -12,7 +12,9 @@
 #include <random>
 
 #include "support/analytic_lattice.h"
+#include "support/backend_test.h"
 #include "tbb/backend.h"
+#include "types/mesh_vertex.h"
 
 namespace vasamesh::test {
 namespace {
@@ -198,6 +200,44 @@ TEST(Sizing, SameForAnyNumberOfThreads) {
   for (std::size_t i = 0; i < one.sizes.size(); ++i)
     ASSERT_EQ(one.sizes.view()[i], two.sizes.view()[i]);
 }
+
+/// The pass on every backend, over a field that lies in another backend's memory.
+class SizingPass : public BackendTest {};
+
+TEST_P(SizingPass, MeasuresAsTheFunctionsForOnePointDo) {
+  const AnalyticScene scene(test::backend(), {32, 24, 24},
+                            capsule({6, 10, 11}, {26, 13, 14}, 2.5f));
+  const FieldView field = scene.field.view();
+  std::mt19937 random(4);
+  std::vector<Vec3> points;
+  for (std::size_t v = 0; v < scene.surface.vertex_count(); v += 7) {
+    const auto shift = [&] { return static_cast<float>(random() % 1000) * 0.0006f - 0.3f; };
+    points.push_back(vertex_at(scene.surface, v) + Vec3{shift(), shift(), shift()});
+  }
+  points.push_back({16, 12, 12});   // too deep
+  points.push_back({-3, 2, 1e9f});  // outside
+  auto positions = to_backend(BackendTest::backend(), points);
+  auto normals = to_backend(BackendTest::backend(), std::vector<Vec3>(points.size(), {7, 7, 7}));
+  auto radii = to_backend(BackendTest::backend(), std::vector<float>(points.size(), 7));
+  BackendTest::backend().sizing_measure(field, positions.view(), normals.view(), radii.view());
+  const auto at = to_host(BackendTest::backend(), positions.view());
+  const auto normal = to_host(BackendTest::backend(), normals.view());
+  const auto radius = to_host(BackendTest::backend(), radii.view());
+  std::size_t found = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    Vec3 p = points[i];
+    const FieldSample sample = project_to_surface(field, kSampleReach, kSampleSteps, p);
+    found += sample.known;
+    const Vec3 outward = sample.known ? -normalised(sample.gradient) : Vec3{};
+    ASSERT_EQ(at[i], sample.known ? p : points[i]) << i;
+    ASSERT_EQ(normal[i], outward) << i;
+    ASSERT_EQ(radius[i], sample.known ? radius_of_curvature(field, p, outward) : 0.0f) << i;
+  }
+  EXPECT_GT(found, 100u);
+  EXPECT_LE(found, points.size() - 2);
+}
+
+INSTANTIATE_TEST_SUITE_P(Backends, SizingPass, ::testing::ValuesIn(backend_names()), test_name);
 
 }  // namespace
 }  // namespace vasamesh::test

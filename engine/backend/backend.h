@@ -20,16 +20,18 @@
 #include "backend/buffer.h"
 #include "backend/byte_account.h"
 #include "types/bricks.h"
+#include "types/indicator_field.h"
 #include "types/lattice.h"
 #include "types/octree.h"
 #include "types/point_cloud.h"
+#include "types/vec3.h"
 #include "types/volume.h"
 #include "vasamesh/types.h"
 
 namespace vasamesh {
 
 /// The stages that a backend may offer.
-enum class Stage { points, normals, octree, poisson, lattice, surface, mesh, verify };
+enum class Stage { points, normals, octree, poisson, lattice, surface, sizing, mesh, verify };
 
 /// What a device was given to do, and what was copied to and from it.
 struct Traffic {
@@ -324,6 +326,14 @@ class Backend : public Memory {
                             View<const std::uint32_t> vertex_start,
                             View<const std::uint32_t> triangle_start, View<float> vertices,
                             View<std::uint32_t> triangles) = 0;
+
+  // --- Sizes (engine/stages/sizing.h). -----------------------------------------------------------
+
+  /// Each position moves onto the field's zero set (project_to_surface), where its outward unit
+  /// normal and its radius of curvature are taken (radius_of_curvature). Where no zero set is found
+  /// within half a voxel length the position stays, and normal and radius are zero.
+  virtual void sizing_measure(const FieldView& field, View<Vec3> positions, View<Vec3> normals,
+                              View<float> radii) = 0;
 
  private:
   /// on_host() for a whole allocation, which the host may write when `writes`.

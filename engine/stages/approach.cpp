@@ -228,15 +228,23 @@ std::vector<FarPoint> points_of(const std::vector<FarPoint>& points, const Patch
   return found;
 }
 
+/// Balls that hold what is nearest to the points.
+Places places_of(const std::vector<FarPoint>& points) {
+  std::vector<CarefulPlace> places;
+  for (const FarPoint& point : points) places.push_back({point.position, point.distance, 1});
+  return Places(places);
+}
+
 }  // namespace
 
 TriangleMesh approach(Backend& backend, const FieldView& field, const SizeView& sizes,
                       std::span<const Vec3> points, float farthest, TriangleMesh mesh) {
   if (mesh.triangles.empty()) return mesh;
-  const RemeshGoal goal = {field, sizes, {}, false};
   std::vector<FarPoint> far = far_points(backend, points, farthest, mesh);
   std::vector<Vec3> left;
   for (int round = 0; round < kRounds && !far.empty(); ++round) {
+    const Places places = places_of(far);
+    const RemeshGoal goal = {field, sizes, &places, true};
     WorkingSurface surface = make_working_surface(backend, goal, mesh);
     for_each_block(backend, {kBlock, 0.15f * static_cast<float>(round)}, surface,
                    [&](PatchMesh& part) {
@@ -260,37 +268,48 @@ struct StrayVertex {
   Vec3 from, to;
 };
 
+/// The vertices farther from another surface than they may be; of those near the places, if any.
 std::vector<StrayVertex> stray_vertices(Backend& backend, const TriangleMesh& origin,
                                         const TriangleTree& tree, float farthest,
-                                        const WorkingSurface& surface) {
-  std::vector<Vec3> places;
-  for (const SurfacePoint& point : surface.points) places.push_back(point.position);
-  const NearestTriangles nearest = nearest_triangles(backend, places, origin, tree);
+                                        const Places& places, const TriangleMesh& mesh) {
+  std::vector<Vec3> vertices;
+  for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
+    if (const Vec3 p = vertex_at(mesh, v); places.empty() || places.hold(p, Places::kMargin))
+      vertices.push_back(p);
+  const NearestTriangles nearest = nearest_triangles(backend, vertices, origin, tree, farthest);
   std::vector<StrayVertex> strays;
-  for (std::size_t v = 0; v < places.size(); ++v) {
+  for (std::size_t v = 0; v < vertices.size(); ++v) {
     if (!(nearest.distances[v] > farthest)) continue;
     std::array<Vec3, 3> corner;
     for (std::size_t i = 0; i < 3; ++i)
       corner[i] = vertex_at(origin, origin.triangles[3 * nearest.triangles[v] + i]);
-    const Foot foot = foot_on(places[v], corner);
-    strays.push_back({places[v], foot.weight[0] * corner[0] + foot.weight[1] * corner[1] +
-                                     foot.weight[2] * corner[2]});
+    const Foot foot = foot_on(vertices[v], corner);
+    strays.push_back({vertices[v], foot.weight[0] * corner[0] + foot.weight[1] * corner[1] +
+                                       foot.weight[2] * corner[2]});
   }
   return strays;
+}
+
+Places places_of(const std::vector<StrayVertex>& strays) {
+  std::vector<CarefulPlace> places;
+  for (const StrayVertex& stray : strays)
+    places.push_back({stray.from, norm(stray.to - stray.from), 1});
+  return Places(places);
 }
 
 }  // namespace
 
 TriangleMesh bring_back(Backend& backend, const FieldView& field, const SizeView& sizes,
                         const TriangleMesh& origin, const TriangleTree& tree, float farthest,
-                        TriangleMesh mesh) {
-  if (mesh.triangles.empty()) return mesh;
-  const RemeshGoal goal = {field, sizes, {}, false};
-  WorkingSurface surface = make_working_surface(backend, goal, mesh);
+                        TriangleMesh mesh, const Places& within) {
+  Places places = within;
   for (int round = 0; round < kReturns; ++round) {
     const std::vector<StrayVertex> strays =
-        stray_vertices(backend, origin, tree, farthest, surface);
+        stray_vertices(backend, origin, tree, farthest, places, mesh);
     if (strays.empty()) break;
+    places = places_of(strays);
+    const RemeshGoal goal = {field, sizes, &places, true};
+    WorkingSurface surface = make_working_surface(backend, goal, mesh);
     for_each_block(backend, {kBlock, 0.3f * static_cast<float>(round)}, surface,
                    [&](PatchMesh& part) {
                      const Extent extent(part);
@@ -301,8 +320,9 @@ TriangleMesh bring_back(Backend& backend, const FieldView& field, const SizeView
                        work->draw_vertex(stray.from, stray.to);
                      }
                    });
+    mesh = make_mesh(surface);
   }
-  return make_mesh(surface);
+  return mesh;
 }
 
 }  // namespace vasamesh

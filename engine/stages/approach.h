@@ -9,6 +9,7 @@
 #include <span>
 
 #include "backend/backend.h"
+#include "stages/places.h"
 #include "stages/triangle_tree.h"
 #include "types/indicator_field.h"
 #include "types/sizes.h"
@@ -27,8 +28,9 @@ TriangleMesh approach(Backend& backend, const FieldView& field, const SizeView& 
 /// Brings back, under the same rules, vertices that have gone astray from another surface.
 /// \param origin  not empty; `tree` is that of its triangles.
 /// \param farthest  distance from it that a vertex may keep, above zero.
+/// \param within  if not empty: vertices near these places alone.
 TriangleMesh bring_back(Backend& backend, const FieldView& field, const SizeView& sizes,
                         const TriangleMesh& origin, const TriangleTree& tree, float farthest,
-                        TriangleMesh mesh);
+                        TriangleMesh mesh, const Places& within = {});
 
 }  // namespace vasamesh

@@ -17,7 +17,9 @@ constexpr Attempt kAttempts[] = {{0.5f, 0.5f, 0.35f, false},  {0.25f, 0.25f, 0.3
                                  {0.25f, 0.25f, 0.35f, true}, {0.0f, 0.1f, 0.35f, false},
                                  {0.0f, 0.1f, 0.5f, true},    {0.0f, 0.1f, 0.5f, false},
                                  {-0.3f, 0.1f, 0.5f, false},  {0.0f, 0.1f, 2.0f, false},
-                                 {-0.3f, 0.0f, 2.0f, true},   {-0.3f, 0.0f, 2.0f, false}};
+                                 {-0.3f, 0.0f, 2.0f, true},   {-0.3f, 0.0f, 2.0f, false},
+                                 {-0.7f, -0.3f, 2.0f, true},  {-0.7f, -0.3f, 2.0f, false},
+                                 {-1.0f, -1.0f, 2.0f, false}};
 constexpr std::size_t kAnnularAttempts = 5;
 constexpr std::size_t kMostStarred = 16;  // corners of a gap that a vertex may close
 constexpr int kAxisSteps = 4;             // along a gap's axis, as far as its corners are

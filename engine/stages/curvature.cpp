@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdint>
 #include <map>
+#include <set>
+#include <tuple>
 
 #include "stages/gap_loops.h"
 #include "types/mesh_vertex.h"
@@ -13,52 +15,104 @@ namespace vasamesh {
 
 namespace {
 
-constexpr float kSide = 8;
 constexpr double kTwoPi = 6.283185307179586;
+constexpr float kCell = kCurvatureCube / 2;
+constexpr std::size_t kGrain = 8192;  // triangles a task takes
 
-using Cube = std::array<int, 3>;  // of the grid
-using Sums = std::map<Cube, double>;
+using Cell = std::array<int, 3>;  // of the grid
+using Sums = std::map<Cell, double>;
 
-/// What is missing from 2 pi at each vertex.
-std::vector<double> angle_defects(const TriangleMesh& mesh) {
-  std::vector<double> defects(mesh.vertex_count(), kTwoPi);
-  for (std::size_t t = 0; t < mesh.triangle_count(); ++t)
-    for (std::size_t i = 0; i < 3; ++i) {
-      const std::uint32_t v = mesh.triangles[3 * t + i];
-      const Vec3 p = vertex_at(mesh, v);
-      const Vec3 a = vertex_at(mesh, mesh.triangles[3 * t + (i + 1) % 3]) - p;
-      const Vec3 b = vertex_at(mesh, mesh.triangles[3 * t + (i + 2) % 3]) - p;
-      defects[v] -= double{angle_of(dot(a, b), norm(cross(a, b)))};
-    }
-  return defects;
+Cell moved(const Cell& cell, int sign, int corner) {
+  return {cell[0] + sign * (corner & 1), cell[1] + sign * (corner >> 1 & 1),
+          cell[2] + sign * (corner >> 2)};
 }
 
-void add(const TriangleMesh& mesh, double sign, float shift, Sums& sums) {
-  const std::vector<double> defects = angle_defects(mesh);
-  for (std::uint32_t v = 0; v < defects.size(); ++v) {
-    const Vec3 p = (1 / kSide) * vertex_at(mesh, v);
-    const Cube cube = {static_cast<int>(std::floor(p.x + shift)),
-                       static_cast<int>(std::floor(p.y + shift)),
-                       static_cast<int>(std::floor(p.z + shift))};
-    sums[cube] += sign * defects[v];
+/// The angle at each corner of the triangles.
+std::vector<float> corner_angles(Backend& backend, const TriangleMesh& mesh) {
+  const std::size_t count = mesh.triangle_count();
+  std::vector<float> angles(3 * count);
+  backend.run((count + kGrain - 1) / kGrain, [&](std::size_t task) {
+    for (std::size_t t = task * kGrain; t < std::min((task + 1) * kGrain, count); ++t)
+      for (std::size_t i = 0; i < 3; ++i) {
+        const Vec3 p = vertex_at(mesh, mesh.triangles[3 * t + i]);
+        const Vec3 a = vertex_at(mesh, mesh.triangles[3 * t + (i + 1) % 3]) - p;
+        const Vec3 b = vertex_at(mesh, mesh.triangles[3 * t + (i + 2) % 3]) - p;
+        angles[3 * t + i] = angle_of(dot(a, b), norm(cross(a, b)));
+      }
+  });
+  return angles;
+}
+
+/// Adds what is missing from 2 pi at each vertex to the sum of its cell.
+void add(Backend& backend, const TriangleMesh& mesh, double sign, Sums& sums) {
+  const std::vector<float> angles = corner_angles(backend, mesh);
+  std::vector<double> missing(mesh.vertex_count(), kTwoPi);
+  for (std::size_t c = 0; c < angles.size(); ++c) missing[mesh.triangles[c]] -= double{angles[c]};
+  auto at = sums.end();
+  for (std::size_t v = 0; v < missing.size(); ++v) {
+    const Vec3 p = (1 / kCell) * vertex_at(mesh, v);
+    const Cell cell = {static_cast<int>(std::floor(p.x)), static_cast<int>(std::floor(p.y)),
+                       static_cast<int>(std::floor(p.z))};
+    if (at == sums.end() || at->first != cell) at = sums.try_emplace(cell, 0.0).first;
+    at->second += sign * missing[v];
   }
+}
+
+struct Cube {
+  double difference;
+  Cell low;  ///< the first of its eight cells
+
+  bool operator<(const Cube& other) const {
+    return std::tie(other.difference, low) < std::tie(difference, other.low);
+  }
+  bool overlaps(const Cube& other) const {
+    for (std::size_t i = 0; i < 3; ++i)
+      if (std::abs(low[i] - other.low[i]) > 1) return false;
+    return true;
+  }
+  Vec3 middle() const {
+    return {kCell * static_cast<float>(low[0] + 1), kCell * static_cast<float>(low[1] + 1),
+            kCell * static_cast<float>(low[2] + 1)};
+  }
+};
+
+/// The cubes that have a cell with a sum, those with the largest differences first.
+std::vector<Cube> cubes_of(const Sums& sums) {
+  std::set<Cell> lows;
+  for (const auto& [cell, sum] : sums)
+    for (int corner = 0; corner < 8; ++corner) lows.insert(moved(cell, -1, corner));
+  std::vector<Cube> cubes;
+  for (const Cell& low : lows) {
+    double difference = 0;
+    for (int corner = 0; corner < 8; ++corner) {
+      const auto found = sums.find(moved(low, 1, corner));
+      if (found != sums.end()) difference += found->second;
+    }
+    cubes.push_back({std::fabs(difference), low});
+  }
+  std::sort(cubes.begin(), cubes.end());
+  return cubes;
 }
 
 }  // namespace
 
-std::vector<Vec3> curvature_differences(const TriangleMesh& a, const TriangleMesh& b) {
-  std::vector<Vec3> found;
-  for (const float shift : {0.0f, 0.5f}) {
-    Sums sums;
-    add(a, 1, shift, sums);
-    add(b, -1, shift, sums);
-    for (const auto& [cube, sum] : sums)
-      if (std::fabs(sum) > kTwoPi)
-        found.push_back({kSide * (static_cast<float>(cube[0]) + 0.5f - shift),
-                         kSide * (static_cast<float>(cube[1]) + 0.5f - shift),
-                         kSide * (static_cast<float>(cube[2]) + 0.5f - shift)});
+std::vector<Vec3> curvature_differences(Backend& backend, const TriangleMesh& a,
+                                        const TriangleMesh& b) {
+  Sums sums;
+  add(backend, a, 1, sums);
+  add(backend, b, -1, sums);
+  const std::vector<Cube> cubes = cubes_of(sums);
+  const bool any_handle = !cubes.empty() && cubes[0].difference > 1.5 * kTwoPi;
+  const double least = any_handle ? 1.5 * kTwoPi : kTwoPi;
+  std::vector<Cube> found;
+  for (const Cube& cube : cubes) {
+    if (!(cube.difference > least)) break;
+    if (std::none_of(found.begin(), found.end(), [&](const Cube& c) { return c.overlaps(cube); }))
+      found.push_back(cube);
   }
-  return found;
+  std::vector<Vec3> middles;
+  for (const Cube& cube : found) middles.push_back(cube.middle());
+  return middles;
 }
 
 }  // namespace vasamesh

@@ -7,13 +7,19 @@
 
 #include <vector>
 
+#include "backend/backend.h"
 #include "types/vec3.h"
 #include "vasamesh/types.h"
 
 namespace vasamesh {
 
-/// The middles of the cubes (of 8 lengths, in two grids half a cube apart) in which the sums differ
-/// by more than 2 pi, in the order of the cubes.
-std::vector<Vec3> curvature_differences(const TriangleMesh& a, const TriangleMesh& b);
+/// Side of the cubes, in the unit of the surfaces; they begin at the multiples of half of it.
+inline constexpr float kCurvatureCube = 8;
+
+/// The middles of the cubes in which the sums differ by more than 3 pi, or where there is none by
+/// more than 2 pi, since a tip alone has that much; of cubes that overlap the one with the largest
+/// difference, which is the first.
+std::vector<Vec3> curvature_differences(Backend& backend, const TriangleMesh& a,
+                                        const TriangleMesh& b);
 
 }  // namespace vasamesh

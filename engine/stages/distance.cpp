@@ -1,19 +1,26 @@
 #include "stages/distance.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <string>
 
 #include "stages/triangle_tree.h"
+#include "types/mesh_vertex.h"
 #include "vasamesh/errors.h"
 
 namespace vasamesh {
 
 namespace {
 
-constexpr std::size_t kTriangles = 1024;  // triangles a task samples
+constexpr std::size_t kTriangles = 1024;  // or points: that a task samples
 constexpr double kMostCuts = 4096;        // of a triangle's edge
+
+std::size_t parts_of(std::size_t count) { return (count + kTriangles - 1) / kTriangles; }
+std::size_t part_end(std::size_t part, std::size_t count) {
+  return std::min((part + 1) * kTriangles, count);
+}
 
 struct Point {
   double x, y, z;
@@ -82,10 +89,12 @@ class Nearest {
  public:
   Nearest(const TriangleMesh& mesh, const TriangleTree& tree) : mesh_(mesh), tree_(tree) {}
 
-  /// The distance, exact but for rounding. Starts from the triangle found last.
-  double distance(const float (&p)[3]) {
+  /// The distance, exact but for rounding where it is more than `enough`, else a bound from above
+  /// that is at most that. Starts from the triangle found last.
+  double distance(const float (&p)[3], double enough = 0) {
+    enough_ = enough * enough;
     best_ = squared_distance({p[0], p[1], p[2]}, triangle(mesh_, tree_.order[last_]));
-    descend(static_cast<int>(tree_.levels.size()) - 1, 0, p);
+    if (best_ > enough_) descend(static_cast<int>(tree_.levels.size()) - 1, 0, p);
     return std::sqrt(best_);
   }
 
@@ -106,18 +115,19 @@ class Nearest {
       const std::size_t child = 8 * node + nearest;
       if (level > 0) {
         descend(level - 1, child, p);
-        continue;
+      } else if (const double d =
+                     squared_distance({p[0], p[1], p[2]}, triangle(mesh_, tree_.order[child]));
+                 d < best_) {
+        best_ = d;
+        last_ = child;
       }
-      const double d = squared_distance({p[0], p[1], p[2]}, triangle(mesh_, tree_.order[child]));
-      if (d >= best_) continue;
-      best_ = d;
-      last_ = child;
+      if (best_ <= enough_) return;
     }
   }
 
   const TriangleMesh& mesh_;
   const TriangleTree& tree_;
-  double best_ = 0;
+  double best_ = 0, enough_ = 0;  // squared
   std::size_t last_ = 0;
 };
 
@@ -166,10 +176,10 @@ OneWayDistance one_way(Backend& backend, const TriangleMesh& from, const Triangl
                        const TriangleMesh& to, const TriangleTree& to_tree, double step) {
   const std::vector<std::uint32_t> first = first_places(from, from_tree);
   const std::size_t count = from_tree.order.size();
-  std::vector<Sums> parts((count + kTriangles - 1) / kTriangles);
+  std::vector<Sums> parts(parts_of(count));
   backend.run(parts.size(), [&](std::size_t part) {
     Nearest nearest(to, to_tree);
-    for (std::size_t i = part * kTriangles; i < std::min((part + 1) * kTriangles, count); ++i) {
+    for (std::size_t i = part * kTriangles; i < part_end(part, count); ++i) {
       const std::size_t t = from_tree.order[i];
       sample_triangle(triangle(from, t), step, nearest, parts[part]);
       for (int k = 0; k < 3; ++k) {
@@ -215,24 +225,117 @@ DistanceReport measure_distance(Backend& backend, const TriangleMesh& surface,
 }
 
 NearestTriangles nearest_triangles(Backend& backend, std::span<const Vec3> points,
-                                   const TriangleMesh& surface, const TriangleTree& tree) {
+                                   const TriangleMesh& surface, const TriangleTree& tree,
+                                   float enough) {
   NearestTriangles found{std::vector<float>(points.size()),
                          std::vector<std::uint32_t>(points.size())};
-  backend.run((points.size() + kTriangles - 1) / kTriangles, [&](std::size_t part) {
+  backend.run(parts_of(points.size()), [&](std::size_t part) {
     Nearest nearest(surface, tree);
-    const std::size_t end = std::min((part + 1) * kTriangles, points.size());
-    for (std::size_t i = part * kTriangles; i < end; ++i) {
-      found.distances[i] =
-          static_cast<float>(nearest.distance({points[i].x, points[i].y, points[i].z}));
+    for (std::size_t i = part * kTriangles; i < part_end(part, points.size()); ++i) {
+      const Vec3& p = points[i];
+      found.distances[i] = static_cast<float>(nearest.distance({p.x, p.y, p.z}, double{enough}));
       found.triangles[i] = nearest.found();
     }
   });
   return found;
 }
 
+namespace {
+
+constexpr float kUnknown = -1;   // distance
+constexpr float kFinest = 0.2f;  // edge length that is not halved any more
+
+/// A triangle with its corners' distances, or bounds of them from above.
+struct Sampled {
+  std::array<Vec3, 3> corner;
+  std::array<float, 3> distance;
+};
+
+/// Squared distance from a triangle's corners within which all of it lies, from its squared edges:
+/// the radius of the smallest circle round it.
+float squared_reach(float a, float b, float c) {
+  const float longest = std::max({a, b, c}), others = ((a + b) + c) - longest;
+  if (others <= longest) return 0.25f * longest;
+  const float squared_area = 4 * (a * b) - (a + b - c) * (a + b - c);  // 16 times
+  return squared_area > 0 ? std::min(a * b * c / squared_area, longest / 3) : 0.25f * longest;
+}
+
+/// Adds the points of a triangle, but its corners, that are farther than `limit`: it is quartered
+/// until no point of it can be, since none is farther than a corner and the way from it.
+void add_points_beyond(const Sampled& whole, float limit, float enough, Nearest& nearest,
+                       std::vector<Vec3>& found) {
+  std::array<Sampled, 3 * 16> stack;  // 3 a level stay; the edges halve from level to level
+  std::size_t size = 0;
+  stack[size++] = whole;
+  while (size > 0) {
+    const auto [corner, distance] = stack[--size];
+    const float a = squared_norm(corner[1] - corner[0]), b = squared_norm(corner[2] - corner[1]),
+                c = squared_norm(corner[0] - corner[2]);
+    const float farthest = std::max({distance[0], distance[1], distance[2]});
+    if (farthest + std::sqrt(squared_reach(a, b, c)) <= limit ||
+        std::max({a, b, c}) < kFinest * kFinest || size + 4 > stack.size())
+      continue;
+    Sampled middle;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Vec3 p = 0.5f * (corner[(i + 1) % 3] + corner[(i + 2) % 3]);
+      const auto d = static_cast<float>(nearest.distance({p.x, p.y, p.z}, double{enough}));
+      if (d > limit) found.push_back(p);
+      middle.corner[i] = p;
+      middle.distance[i] = d;
+    }
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::size_t j = (i + 1) % 3, k = (i + 2) % 3;
+      stack[size++] = {{corner[i], middle.corner[k], middle.corner[j]},
+                       {distance[i], middle.distance[k], middle.distance[j]}};
+    }
+    stack[size++] = middle;
+  }
+}
+
+}  // namespace
+
+std::vector<Vec3> points_beyond(Backend& backend, float limit, const TriangleMesh& from,
+                                const TriangleMesh& to, const TriangleTree& tree,
+                                const Places& places) {
+  // Bounds that let most triangles go without a look inside.
+  const float enough_at_vertex = 0.1f * limit, enough_inside = 0.3f * limit;
+  std::vector<float> distances(from.vertex_count(), kUnknown);
+  backend.run(parts_of(distances.size()), [&](std::size_t part) {
+    Nearest nearest(to, tree);
+    for (std::size_t v = part * kTriangles; v < part_end(part, distances.size()); ++v) {
+      const Vec3 p = vertex_at(from, v);
+      if (places.empty() || places.hold(p, Places::kMargin))
+        distances[v] =
+            static_cast<float>(nearest.distance({p.x, p.y, p.z}, double{enough_at_vertex}));
+    }
+  });
+  std::vector<std::vector<Vec3>> parts(parts_of(from.triangle_count()));
+  backend.run(parts.size(), [&](std::size_t part) {
+    Nearest nearest(to, tree);
+    for (std::size_t t = part * kTriangles; t < part_end(part, from.triangle_count()); ++t) {
+      const std::uint32_t* v = from.triangles.data() + 3 * t;
+      const Sampled triangle = {
+          {vertex_at(from, v[0]), vertex_at(from, v[1]), vertex_at(from, v[2])},
+          {distances[v[0]], distances[v[1]], distances[v[2]]}};
+      if (std::min({triangle.distance[0], triangle.distance[1], triangle.distance[2]}) != kUnknown)
+        add_points_beyond(triangle, limit, enough_inside, nearest, parts[part]);
+    }
+  });
+  std::vector<Vec3> found;
+  for (std::size_t v = 0; v < distances.size(); ++v)
+    if (distances[v] > limit) found.push_back(vertex_at(from, v));
+  for (const std::vector<Vec3>& part : parts) found.insert(found.end(), part.begin(), part.end());
+  const auto before = [](const Vec3& a, const Vec3& b) {
+    return std::array{a.x, a.y, a.z} < std::array{b.x, b.y, b.z};
+  };
+  std::sort(found.begin(), found.end(), before);
+  found.erase(std::unique(found.begin(), found.end()), found.end());
+  return found;
+}
+
 std::vector<float> distances_to(Backend& backend, std::span<const Vec3> points,
                                 const TriangleMesh& surface, const TriangleTree& tree) {
-  return nearest_triangles(backend, points, surface, tree).distances;
+  return nearest_triangles(backend, points, surface, tree, 0).distances;
 }
 
 }  // namespace vasamesh

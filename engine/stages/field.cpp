@@ -60,18 +60,20 @@ IndicatorField make_field(Backend& backend, const Lattice& lattice, const std::a
     field.step[i] = 0.5f * scale[i];
   }
   const BrickView bricks = lattice.bricks.view();
+  const auto coords = backend.on_host(bricks.coords);
   field.brick_at = Buffer<std::int32_t>(
       backend, static_cast<std::size_t>(field.grid[0]) * field.grid[1] * field.grid[2]);
-  std::int32_t* table = field.brick_at.view().data();
-  std::fill_n(table, field.brick_at.size(), kNoBrick);
+  const std::span<std::int32_t> table = backend.on_host(field.brick_at.view());
+  std::fill(table.begin(), table.end(), kNoBrick);
   for (std::size_t b = 0; b < bricks.count; ++b)
-    table[field.view().cell_of(bricks.coords[b])] = static_cast<std::int32_t>(b);
+    table[field.view().cell_of(coords[b])] = static_cast<std::int32_t>(b);
 
-  field.neighbours = Buffer<std::int32_t>(backend, 27 * bricks.count);
-  std::copy_n(bricks.neighbours.data(), 27 * bricks.count, field.neighbours.view().data());
+  const auto neighbours = backend.on_host(bricks.neighbours);
+  field.neighbours = Buffer<std::int32_t>(backend, neighbours.size());
+  std::copy(neighbours.begin(), neighbours.end(), backend.on_host(field.neighbours.view()).begin());
   field.coefficients = Buffer<float>(backend, bricks.count * kBrickCells);
-  const float* values = lattice.values.view().data();
-  float* coefficients = field.coefficients.view().data();
+  const float* values = backend.on_host(View<const float>(lattice.values.view())).data();
+  float* coefficients = backend.on_host(field.coefficients.view()).data();
   backend.run((bricks.count + kGrain - 1) / kGrain, [&](std::size_t task) {
     const std::size_t end = std::min((task + 1) * kGrain, bricks.count);
     for (std::size_t b = task * kGrain; b < end; ++b)

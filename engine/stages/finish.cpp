@@ -1,7 +1,5 @@
 #include "stages/finish.h"
 
-#include <algorithm>
-
 #include "stages/patch_rules.h"
 
 namespace vasamesh {
@@ -35,7 +33,6 @@ void finish(Backend& backend, const RemeshGoal& goal, WorkingSurface& surface) {
   for (int round = 0; round < kRounds; ++round)
     for_each_block(backend, {kBlock, 0.1f + 0.25f * static_cast<float>(round)}, surface,
                    [&](PatchMesh& part) {
-                     if (!goal.wants(part)) return;
                      flip_to_angle(part, 3);
                      if (round < kPlainRounds) {
                        smooth(part, goal, 2);
@@ -51,7 +48,7 @@ void finish(Backend& backend, const RemeshGoal& goal, WorkingSurface& surface) {
   for (int round = 0; round < kLastRounds && any_poor(surface); ++round)
     for_each_block(backend, {kBlock, 0.23f * static_cast<float>(round)}, surface,
                    [&](PatchMesh& part) {
-                     if (!goal.wants(part) || !any_poor(part)) return;
+                     if (!any_poor(part)) return;
                      flip_to_angle(part, 3);
                      smooth(part, goal, 1);
                      equalise(part, goal, 8);
@@ -60,9 +57,7 @@ void finish(Backend& backend, const RemeshGoal& goal, WorkingSurface& surface) {
 }
 
 void fix_places(const RemeshGoal& goal, WorkingSurface& surface) {
-  const bool any = std::any_of(goal.places.begin(), goal.places.end(),
-                               [](const CarefulPlace& place) { return place.factor == 0; });
-  if (!any) return;
+  if (!goal.places || !goal.places->any_fixed()) return;
   surface.fixed.resize(surface.points.size());
   for (std::size_t v = 0; v < surface.points.size(); ++v)
     surface.fixed[v] = goal.size_at(surface.points[v].position) == 0;
@@ -70,7 +65,8 @@ void fix_places(const RemeshGoal& goal, WorkingSurface& surface) {
 
 TriangleMesh finish(Backend& backend, const FieldView& field, const SizeView& sizes,
                     const TriangleMesh& mesh, std::span<const CarefulPlace> places) {
-  const RemeshGoal goal = {field, sizes, places, !places.empty()};
+  const Places careful(places);
+  const RemeshGoal goal = {field, sizes, &careful, !places.empty()};
   WorkingSurface surface = make_working_surface(backend, goal, mesh);
   fix_places(goal, surface);
   finish(backend, goal, surface);

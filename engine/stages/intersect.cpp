@@ -285,12 +285,18 @@ class Search {
 }  // namespace
 
 bool triangles_intersect(const TriangleMesh& mesh, std::uint32_t a, std::uint32_t b) {
-  const std::uint32_t* p = mesh.triangles.data() + 3 * std::size_t{a};
-  const std::uint32_t* q = mesh.triangles.data() + 3 * std::size_t{b};
-  const Match& match = match_corners(p, q);
-  const auto at = [&](std::uint32_t v) { return mesh.vertices.data() + 3 * std::size_t{v}; };
-  const Corners s = {at(p[match.a[0]]), at(p[match.a[1]]), at(p[match.a[2]])};
-  const Corners t = {at(q[match.b[0]]), at(q[match.b[1]]), at(q[match.b[2]])};
+  const auto named = [&](std::uint32_t t) {
+    const std::uint32_t* v = mesh.triangles.data() + 3 * std::size_t{t};
+    const auto at = [&](int i) { return mesh.vertices.data() + 3 * std::size_t{v[i]}; };
+    return NamedTriangle{{v[0], v[1], v[2]}, {at(0), at(1), at(2)}};
+  };
+  return triangles_intersect(named(a), named(b));
+}
+
+bool triangles_intersect(const NamedTriangle& a, const NamedTriangle& b) {
+  const Match& match = match_corners(a.vertex.data(), b.vertex.data());
+  const Corners s = {a.at[match.a[0]], a.at[match.a[1]], a.at[match.a[2]]};
+  const Corners t = {b.at[match.b[0]], b.at[match.b[1]], b.at[match.b[2]]};
   switch (match.common) {
     case 0:
       return disjoint_meet(s, t);

@@ -9,6 +9,7 @@
 /// Gottschalk, Lin, Manocha: OBBTree, 1996 (separating axes); Guigue, Devillers: Fast and robust
 /// triangle-triangle overlap test using orientation predicates, 2003.
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -32,6 +33,15 @@ struct Intersections {
 /// Whether triangles `a` and `b` of the mesh meet beyond what they share by index; touching counts.
 /// Neither may be degenerate.
 bool triangles_intersect(const TriangleMesh& mesh, std::uint32_t a, std::uint32_t b);
+
+/// A triangle of no mesh: its vertices, and where they are.
+struct NamedTriangle {
+  std::array<std::uint32_t, 3> vertex;
+  std::array<const float*, 3> at;  ///< x, y, z
+};
+
+/// The same for two of these.
+bool triangles_intersect(const NamedTriangle& a, const NamedTriangle& b);
 
 /// Every intersecting pair. Degenerate triangles and those with a vertex that is not finite take
 /// no part: the tree leaves them out.

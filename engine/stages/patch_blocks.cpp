@@ -183,7 +183,8 @@ void for_each_block(Backend& backend, const BlockGrid& grid, WorkingSurface& sur
                     const std::function<void(PatchMesh&)>& work) {
   if (surface.triangles.empty()) return;
   std::vector<std::uint32_t> degree(surface.points.size(), 0);
-  for (std::uint32_t v : surface.triangles) ++degree[v];
+  for (const auto* triangles : {&surface.triangles, &surface.resting})
+    for (const std::uint32_t v : *triangles) ++degree[v];
   const Division division = divide(backend, grid, surface);
   std::vector<Part> parts(division.count());
   backend.run(division.count(),
@@ -204,6 +205,28 @@ void set_mesh_normals(WorkingSurface& surface) {
   }
 }
 
+/// Takes the triangles without a vertex near the places out. \return a byte a point: whether it has
+/// no other triangles.
+std::vector<std::uint8_t> put_to_rest(Backend& backend, const Places& places,
+                                      WorkingSurface& surface) {
+  const std::size_t count = surface.points.size();
+  std::vector<std::uint8_t> near(count), rests(count, 1);
+  backend.run(chunks(count), [&](std::size_t chunk) {
+    for (std::size_t v = chunk * kChunk; v < std::min((chunk + 1) * kChunk, count); ++v)
+      near[v] = places.hold(surface.points[v].position, Places::kMargin);
+  });
+  std::vector<std::uint32_t> active;
+  for (std::size_t c = 0; c < surface.triangles.size(); c += 3) {
+    const std::uint32_t* v = &surface.triangles[c];
+    const bool wanted = near[v[0]] || near[v[1]] || near[v[2]];
+    std::vector<std::uint32_t>& to = wanted ? active : surface.resting;
+    to.insert(to.end(), v, v + 3);
+    if (wanted) rests[v[0]] = rests[v[1]] = rests[v[2]] = 0;
+  }
+  surface.triangles = std::move(active);
+  return rests;
+}
+
 }  // namespace
 
 WorkingSurface make_working_surface(Backend& backend, const RemeshGoal& goal,
@@ -215,8 +238,11 @@ WorkingSurface make_working_surface(Backend& backend, const RemeshGoal& goal,
     surface.points[v].position = vertex_at(mesh, v);
   set_mesh_normals(surface);
   const std::size_t count = surface.points.size();
+  std::vector<std::uint8_t> rests(count, 0);
+  if (goal.local) rests = put_to_rest(backend, *goal.places, surface);
   backend.run(chunks(count), [&](std::size_t chunk) {
     for (std::size_t v = chunk * kChunk; v < std::min((chunk + 1) * kChunk, count); ++v) {
+      if (rests[v]) continue;
       SurfacePoint& p = surface.points[v];
       p.normal = normalised(p.normal);
       p.size = goal.size_at(p.position);
@@ -227,18 +253,18 @@ WorkingSurface make_working_surface(Backend& backend, const RemeshGoal& goal,
 }
 
 TriangleMesh make_mesh(const WorkingSurface& surface) {
-  std::vector<std::uint32_t> name(surface.points.size(), 0);
-  for (std::uint32_t v : surface.triangles) name[v] = 1;
+  std::vector<std::uint32_t> name(surface.points.size(), kNone);
   TriangleMesh mesh;
-  std::uint32_t count = 0;
-  for (std::size_t v = 0; v < name.size(); ++v) {
-    if (!name[v]) continue;
-    name[v] = count++;
-    const Vec3& p = surface.points[v].position;
-    mesh.vertices.insert(mesh.vertices.end(), {p.x, p.y, p.z});
-  }
-  mesh.triangles.reserve(surface.triangles.size());
-  for (std::uint32_t v : surface.triangles) mesh.triangles.push_back(name[v]);
+  mesh.triangles.reserve(surface.triangles.size() + surface.resting.size());
+  for (const auto* triangles : {&surface.triangles, &surface.resting})
+    for (const std::uint32_t v : *triangles) {
+      if (name[v] == kNone) {
+        name[v] = static_cast<std::uint32_t>(mesh.vertex_count());
+        const Vec3& p = surface.points[v].position;
+        mesh.vertices.insert(mesh.vertices.end(), {p.x, p.y, p.z});
+      }
+      mesh.triangles.push_back(name[v]);
+    }
   return mesh;
 }
 

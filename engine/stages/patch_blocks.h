@@ -23,6 +23,7 @@ struct WorkingSurface {
   std::vector<SurfacePoint> points;
   std::vector<std::uint8_t> fixed;  ///< a point: not to be moved or removed; empty: none is
   std::vector<std::uint32_t> triangles;
+  std::vector<std::uint32_t> resting;  ///< corners of triangles that no pass works on
 };
 
 /// The grid of cells of a pass.
@@ -36,11 +37,13 @@ void for_each_block(Backend& backend, const BlockGrid& grid, WorkingSurface& sur
                     const std::function<void(PatchMesh&)>& work);
 
 /// The surface to work on: normals from the field (the mean of the triangles' where the field has
-/// none or denies it), sizes at the vertices.
+/// none or denies it), sizes at the vertices. Triangles away from the places rest if the goal is
+/// local.
 WorkingSurface make_working_surface(Backend& backend, const RemeshGoal& goal,
                                     const TriangleMesh& mesh);
 
-/// The mesh of what is left.
+/// The mesh of what is left, its vertices in the order in which the triangles have them: near ones
+/// lie near each other in memory.
 TriangleMesh make_mesh(const WorkingSurface& surface);
 
 }  // namespace vasamesh

@@ -15,23 +15,15 @@ const Vec3& place(const PatchMesh& mesh, std::uint32_t v) { return mesh.points[v
 
 /// Whether two triangles, given by their vertices, meet beyond what they share.
 bool meet(const PatchMesh& mesh, const Clearance::Corners& a, const Clearance::Corners& b) {
-  TriangleMesh pair;
-  std::uint32_t names[6];
-  std::uint32_t count = 0;
-  pair.vertices.reserve(18);
-  pair.triangles.reserve(6);
-  for (const Clearance::Corners& triangle : {a, b})
-    for (std::uint32_t v : triangle) {
-      std::uint32_t i = 0;
-      while (i < count && names[i] != v) ++i;
-      if (i == count) {
-        names[count++] = v;
-        const Vec3& p = place(mesh, v);
-        pair.vertices.insert(pair.vertices.end(), {p.x, p.y, p.z});
-      }
-      pair.triangles.push_back(i);
+  float at[6][3];
+  const auto named = [&](const Clearance::Corners& triangle, float(*places)[3]) {
+    for (int i = 0; i < 3; ++i) {
+      const Vec3& p = place(mesh, triangle[i]);
+      places[i][0] = p.x, places[i][1] = p.y, places[i][2] = p.z;
     }
-  return triangles_intersect(pair, 0, 1);
+    return NamedTriangle{triangle, {places[0], places[1], places[2]}};
+  };
+  return triangles_intersect(named(a, at), named(b, at + 3));
 }
 
 Clearance::Corners corners_of(const PatchMesh& mesh, std::uint32_t face) {

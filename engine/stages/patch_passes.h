@@ -7,11 +7,10 @@
 /// Botsch, Kobbelt 2004; Dunyach, Vanderhaeghe, Barthe, Botsch: Adaptive remeshing for real-time
 /// mesh deformation, 2013.
 
-#include <algorithm>
 #include <cstdint>
-#include <span>
 
 #include "stages/patch_mesh.h"
+#include "stages/places.h"
 #include "types/indicator_field.h"
 #include "types/sizes.h"
 
@@ -21,29 +20,15 @@ namespace vasamesh {
 struct RemeshGoal {
   FieldView field;
   SizeView sizes;
-  std::span<const CarefulPlace> places;  ///< the least factor counts
-  bool local = false;                    ///< work on parts with such places alone
+  const Places* places = nullptr;  ///< the least factor counts
+  bool local = false;              ///< work near such places alone
 
   /// The mean edge comes out shorter than the length that splits and collapses aim at.
   static constexpr float kLengthFactor = 1.08f;
 
   float size_at(const Vec3& p) const {
-    float factor = kLengthFactor;
-    for (const CarefulPlace& place : places)
-      if (place.holds(p)) factor = std::min(factor, kLengthFactor * place.factor);
-    return factor * vasamesh::size_at(sizes, p);
-  }
-
-  bool is_careful(const Vec3& p) const {
-    return std::any_of(places.begin(), places.end(),
-                       [&](const CarefulPlace& place) { return place.holds(p); });
-  }
-
-  /// Whether there is work to do on the part.
-  bool wants(const PatchMesh& part) const {
-    return !local ||
-           std::any_of(part.points.begin(), part.points.end(),
-                       [&](const SurfacePoint& point) { return is_careful(point.position); });
+    const float factor = places ? places->factor_at(p) : 1;
+    return kLengthFactor * factor * vasamesh::size_at(sizes, p);
   }
 };
 

@@ -21,9 +21,9 @@ inline constexpr float kLeastFacing = 0.5f;
 /// The same for repairs.
 inline constexpr float kLeastFacingInRepair = 0.25f;
 
-/// Largest cosine of the angle between an edge and the normals at its ends: more than five edges
-/// round a circle, and a chord less than a sixth of its length from the arc.
-inline constexpr float kMostSlope = 0.62f;
+/// Largest cosine of the angle between an edge and the normals at its ends: four edges round a
+/// circle or more, and a chord less than a quarter of its length from the arc.
+inline constexpr float kMostSlope = 0.75f;
 
 /// Squared sine of a triangle's least angle, from its squared edge lengths and the squared norm of
 /// the cross product of two of its edges. 0 for a degenerate triangle.

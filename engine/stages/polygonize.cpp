@@ -7,16 +7,15 @@
 #include <string>
 #include <utility>
 
-#include "stages/approach.h"
-#include "stages/curvature.h"
-#include "stages/distance.h"
+#include "stages/defects.h"
 #include "stages/expand.h"
 #include "stages/finish.h"
 #include "stages/hard.h"
-#include "stages/intersect.h"
 #include "stages/lattice.h"
+#include "stages/mesh_parts.h"
 #include "stages/pinches.h"
 #include "stages/remesh.h"
+#include "stages/settle.h"
 #include "stages/stitch.h"
 #include "types/mesh_vertex.h"
 #include "vasamesh/errors.h"
@@ -31,12 +30,10 @@ constexpr int kAims = 3;                 // attempts at a number of triangles
 constexpr double kCountTolerance = 0.1;  // of the triangles that are asked for
 constexpr float kRemeshFactors[] = {0.5f, 0};
 constexpr float kFactors[] = {0.7f, 0.5f, 0.35f, 0};  // of the edges in a place, failure by failure
-constexpr float kPlace = 2.5f, kMargin = 1.2f;  // edge_max: a place's radius, the front's room
-constexpr float kFarShare = 0.9f;    // of the distance limit: how far from face centres is too far
-constexpr float kStray = 0.4f;       // voxel lengths: of a vertex from the base surface, at most
-constexpr float kNearShare = 0.82f;  // the same: how near the surface is brought to them
+constexpr float kPlace = 2.5f;                        // longest edges: a place's radius,
+constexpr float kWidePlace = 4;  // voxel lengths: or one edge where that would be more than this
+constexpr float kMargin = 1.2f;  // longest edges: the front's room
 constexpr float kLeastEdge = 0.05f, kLongestEdge = 100;  // voxel lengths
-constexpr std::uint32_t kNoVertex = 0xffffffffu;
 
 SizeRule rule_of(const EdgeLengths& edges) {
   constexpr double kTwoPi = 6.283185307179586;
@@ -55,30 +52,6 @@ SizeRule scaled(SizeRule rule, float factor) {
   rule.edge_min *= factor;
   rule.edge_max *= factor;
   return rule;
-}
-
-/// The chosen triangles of a mesh, and the vertices that they have.
-TriangleMesh part_of(const TriangleMesh& mesh, const std::vector<std::uint8_t>& chosen) {
-  TriangleMesh part;
-  std::vector<std::uint32_t> renamed(mesh.vertex_count(), kNoVertex);
-  for (std::size_t c = 0; c < mesh.triangles.size(); ++c) {
-    if (!chosen[c / 3]) continue;
-    const std::uint32_t v = mesh.triangles[c];
-    if (renamed[v] == kNoVertex) {
-      renamed[v] = static_cast<std::uint32_t>(part.vertex_count());
-      const float* p = mesh.vertices.data() + 3 * std::size_t{v};
-      part.vertices.insert(part.vertices.end(), p, p + 3);
-    }
-    part.triangles.push_back(renamed[v]);
-  }
-  return part;
-}
-
-TriangleMesh joined(TriangleMesh first, const TriangleMesh& second) {
-  const auto shift = static_cast<std::uint32_t>(first.vertex_count());
-  first.vertices.insert(first.vertices.end(), second.vertices.begin(), second.vertices.end());
-  for (const std::uint32_t v : second.triangles) first.triangles.push_back(v + shift);
-  return first;
 }
 
 /// One byte a vertex: whether it lies in one of the places, or up to `margin` beyond.
@@ -104,22 +77,6 @@ std::vector<CarefulPlace> where_base_stays(std::span<const CarefulPlace> places)
   return kept;
 }
 
-/// The centres of the faces between object and background.
-std::vector<Vec3> find_face_centres(const Lattice& lattice, const Scale& scale) {
-  std::vector<Vec3> centres;
-  const auto coords = lattice.bricks.coords.view();
-  const auto state = lattice.state.view();
-  for (std::size_t node = 0; node < state.size; ++node) {
-    if (!(state[node] & kFaceCentre)) continue;
-    const BrickCoord& brick = coords[node / kBrickCells];
-    const int cell = static_cast<int>(node % kBrickCells);
-    centres.push_back({0.5f * scale[0] * static_cast<float>(8 * brick.x + (cell & 7)),
-                       0.5f * scale[1] * static_cast<float>(8 * brick.y + (cell >> 3 & 7)),
-                       0.5f * scale[2] * static_cast<float>(8 * brick.z + (cell >> 6))});
-  }
-  return centres;
-}
-
 double area_of(const TriangleMesh& mesh) {
   double area = 0;
   for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
@@ -128,25 +85,6 @@ double area_of(const TriangleMesh& mesh) {
                                     vertex_at(mesh, mesh.triangles[3 * t + 2]) - a))};
   }
   return area;
-}
-
-/// The first vertices of the edges that have not one triangle on each side.
-std::vector<std::uint32_t> bad_edges(const TriangleMesh& mesh) {
-  std::vector<std::uint64_t> edges;
-  edges.reserve(mesh.triangles.size());
-  for (std::size_t t = 0; t < mesh.triangle_count(); ++t)
-    for (std::size_t i = 0; i < 3; ++i)
-      edges.push_back(std::uint64_t{mesh.triangles[3 * t + i]} << 32 |
-                      mesh.triangles[3 * t + (i + 1) % 3]);
-  std::sort(edges.begin(), edges.end());
-  std::vector<std::uint32_t> bad;
-  for (std::size_t i = 0; i < edges.size(); ++i) {
-    const std::uint64_t back = edges[i] << 32 | edges[i] >> 32;
-    const auto [first, last] = std::equal_range(edges.begin(), edges.end(), back);
-    if (last - first != 1 || (i > 0 && edges[i] == edges[i - 1]))
-      bad.push_back(static_cast<std::uint32_t>(edges[i] >> 32));
-  }
-  return bad;
 }
 
 }  // namespace
@@ -162,13 +100,16 @@ Polygonizer::Polygonizer(Scheduler& scheduler, const Lattice& lattice,
       rule_(asked_),
       wanted_triangles_(static_cast<double>(parameters.edges.triangles)),
       base_(std::move(base)),
-      farthest_(kFarShare * distance_limit(scale)) {
+      limit_(distance_limit(scale)) {
   for (std::size_t i = 0; i < base_.vertices.size(); ++i) base_.vertices[i] *= scale_[i % 3];
-  scheduler_.begin("sizes", Stage::mesh);
+  scheduler_.begin("sizes", Stage::sizing);
+  Backend& sizing = scheduler_.backend_for(Stage::sizing);
+  sizing.on_host(View<const std::uint8_t>(lattice.state.view()));
   base_tree_ = build_triangle_tree(backend_, base_);
-  face_centres_ = find_face_centres(lattice, scale);
-  field_ = make_field(backend_, lattice, size, scale);
-  sizes_ = make_sizes(backend_, field_, base_, rule_);
+  solid_ = marching_cubes_of(backend_, lattice, scale);
+  solid_tree_ = build_triangle_tree(backend_, solid_.common);
+  field_ = make_field(sizing, lattice, size, scale);
+  sizes_ = make_sizes(sizing, field_, base_, rule_);
   if (wanted_triangles_ > 0) aim(wanted_triangles_);
   report_.predicted_triangles = sizes_.predicted_triangles;
 }
@@ -214,22 +155,34 @@ std::optional<TriangleMesh> Polygonizer::next() {
 
 Verdict Polygonizer::judge(const CheckReport& check) {
   if (!check.passed) {
-    plan_after(defects(check));
+    plan_after(find_defects(backend_, base_, base_tree_, last_, check.intersecting_pairs > 0));
     return Verdict::refuse;
   }
-  const std::vector<Vec3> far = astray();
-  if (far.empty() && count_is_right(check.triangles)) return Verdict::take;
-  const bool best = !proven_ || far.size() < least_astray_;
+  if (astray_.empty() && count_is_right(check.triangles)) return Verdict::take;
+  const bool best = !proven_ || astray_.size() < least_astray_;
   proven_ = true;
-  if (best) least_astray_ = far.size();
-  if (!far.empty()) plan_after(far);
+  if (best) least_astray_ = astray_.size();
+  if (!astray_.empty()) plan_after(astray_);
   return best ? Verdict::keep : Verdict::refuse;
+}
+
+/// The longest edge that is asked for anywhere on the surface.
+float Polygonizer::longest_edge() const {
+  float longest = rule_.edge_min;
+  for (const std::uint32_t cell : sizes_.samples.cell)
+    longest = std::max(longest, sizes_.sizes.view()[cell]);
+  return longest;
+}
+
+float Polygonizer::place_radius() const {
+  const float edge = longest_edge();
+  return std::min(kPlace * edge, std::max(kWidePlace, edge));
 }
 
 /// Places for the defects, each that no new place covers; its factor by how many old ones do.
 void Polygonizer::note(const std::vector<Vec3>& defects, std::span<const float> factors) {
   first_fresh_ = places_.size();
-  const float radius = kPlace * rule_.edge_max;
+  const float radius = place_radius();
   const auto covers = [&](const CarefulPlace& place, const Vec3& p) {
     return squared_norm(p - place.centre) < 0.25f * (radius * radius);
   };
@@ -289,7 +242,8 @@ TriangleMesh Polygonizer::expanded() {
   if (!part.triangles.empty()) patches = remesh(backend_, field_.view(), sizes_.view(field_), part);
   const TriangleMesh mesh = front_over(patches);
   scheduler_.begin("finish", Stage::mesh);
-  return approached(finish(backend_, field_.view(), sizes_.view(field_), mesh));
+  settled_ = false;
+  return settled(finish(backend_, field_.view(), sizes_.view(field_), mesh));
 }
 
 /// The last surface with the fresh places cut out, the base surface remeshed in their middle, and
@@ -298,7 +252,7 @@ TriangleMesh Polygonizer::redone() {
   scheduler_.begin("remesh", Stage::mesh);
   apply_rule(backend_, field_, base_, rule_, places_, sizes_);
   const std::span<const CarefulPlace> fresh = std::span(places_).subspan(first_fresh_);
-  const float margin = kMargin * rule_.edge_max;
+  const float margin = kMargin * longest_edge();
   std::vector<std::uint8_t> within = vertices_within(backend_, base_, fresh, 0);
   const TriangleMesh part = part_of(base_, choose_triangles(backend_, base_, within));
   const std::vector<std::uint8_t> near = vertices_within(backend_, last_, fresh, margin);
@@ -314,9 +268,11 @@ TriangleMesh Polygonizer::redone() {
 
   scheduler_.begin("finish", Stage::mesh);
   std::vector<CarefulPlace> round = where_base_stays(places_);
-  for (const CarefulPlace& place : fresh)
-    if (place.factor > 0) round.push_back({place.centre, place.radius + 2 * margin, 1});
-  return approached(finish(backend_, field_.view(), sizes_.view(field_), mesh, round));
+  for (const CarefulPlace& place : fresh) {
+    changed_.push_back({place.centre, place.radius + 2 * margin, 1});
+    if (place.factor > 0) round.push_back(changed_.back());
+  }
+  return settled(finish(backend_, field_.view(), sizes_.view(field_), mesh, round));
 }
 
 /// The front round the patches, its gaps stitched.
@@ -340,41 +296,22 @@ TriangleMesh Polygonizer::front_over(const TriangleMesh& patches) {
 TriangleMesh Polygonizer::remeshed() {
   scheduler_.begin("remesh", Stage::mesh);
   report_.hard_share = 1;
-  return approached(remesh(backend_, field_.view(), sizes_.view(field_), base_, places_));
+  settled_ = false;
+  return settled(remesh(backend_, field_.view(), sizes_.view(field_), base_, places_));
 }
 
-/// The surface, its vertices brought back to the base surface, and it to the face centres, where
-/// they are too far.
-TriangleMesh Polygonizer::approached(TriangleMesh mesh) {
-  const FieldView field = field_.view();
-  const SizeView sizes = sizes_.view(field_);
-  mesh = bring_back(backend_, field, sizes, base_, base_tree_, kStray, std::move(mesh));
-  return approach(backend_, field, sizes, face_centres_, kNearShare * distance_limit(scale_),
-                  std::move(mesh));
-}
-
-/// The face centres that the last surface is too far from.
-std::vector<Vec3> Polygonizer::astray() const {
-  const std::vector<float> distances =
-      distances_to(backend_, face_centres_, last_, build_triangle_tree(backend_, last_));
-  std::vector<Vec3> found;
-  for (std::size_t i = 0; i < distances.size(); ++i)
-    if (distances[i] > farthest_) found.push_back(face_centres_[i]);
-  return found;
-}
-
-/// Where the last surface is open, has an edge of several triangles or meets itself; where none of
-/// these explains its topology, where its curvature is not the base surface's.
-std::vector<Vec3> Polygonizer::defects(const CheckReport& check) const {
-  std::vector<Vec3> found;
-  for (const std::uint32_t v : bad_edges(last_)) found.push_back(vertex_at(last_, v));
-  if (check.intersecting_pairs > 0) {
-    const Intersections pairs =
-        find_intersections(backend_, last_, build_triangle_tree(backend_, last_));
-    for (const CarefulPlace& place : places_of(last_, pairs.pairs, 1, 1))
-      found.push_back(place.centre);
-  }
-  return found.empty() ? curvature_differences(base_, last_) : found;
+/// The surface, settled in the bounds where it has changed since the last that was; as it is where
+/// its topology is wrong, since it fails its proof and is made again.
+TriangleMesh Polygonizer::settled(TriangleMesh mesh) {
+  if (!has_topology_of(base_, mesh)) return mesh;
+  const Bounds bounds = {base_, base_tree_, solid_, solid_tree_, limit_};
+  const std::span<const CarefulPlace> within = settled_ ? changed_ : std::span<CarefulPlace>();
+  Settled result = settle(backend_, field_.view(), sizes_.view(field_), bounds, place_radius(),
+                          std::move(mesh), within, astray_);
+  astray_ = std::move(result.far);
+  settled_ = true;
+  changed_.clear();
+  return std::move(result.mesh);
 }
 
 TriangleMesh Polygonizer::in_voxels(TriangleMesh mesh) const {

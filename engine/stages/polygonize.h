@@ -18,6 +18,7 @@
 #include "scheduler.h"
 #include "stages/field.h"
 #include "stages/sizing.h"
+#include "stages/solid_surface.h"
 #include "stages/triangle_tree.h"
 #include "types/lattice.h"
 #include "vasamesh/parameters.h"
@@ -62,10 +63,10 @@ class Polygonizer {
   TriangleMesh expanded();
   TriangleMesh redone();
   TriangleMesh remeshed();
-  TriangleMesh approached(TriangleMesh mesh);
+  TriangleMesh settled(TriangleMesh mesh);
   TriangleMesh front_over(const TriangleMesh& patches);
-  std::vector<Vec3> astray() const;
-  std::vector<Vec3> defects(const CheckReport& check) const;
+  float longest_edge() const;
+  float place_radius() const;
   void note(const std::vector<Vec3>& defects, std::span<const float> factors);
   void plan_after(const std::vector<Vec3>& defects);
   void start_over(Plan plan);
@@ -79,18 +80,22 @@ class Polygonizer {
   double wanted_triangles_ = 0;  ///< 0: as many as the rule gives
   TriangleMesh base_;            ///< voxel lengths
   TriangleTree base_tree_;
-  std::vector<Vec3> face_centres_;  ///< of the segmentation's boundary, voxel lengths
-  float farthest_ = 0;              ///< that the surface may be from them
+  SolidSurface solid_;       ///< the segmentation's, voxel lengths
+  TriangleTree solid_tree_;  ///< of what its surfaces have in common
+  float limit_ = 0;          ///< that the surface may be from it
   IndicatorField field_;
   SizeField sizes_;
   Plan plan_ = Plan::expand;
   int aims_ = 0;
-  bool proven_ = false;  ///< some surface was
-  int failures_ = 0;     ///< of the plan
+  bool proven_ = false;       ///< some surface was
+  int failures_ = 0;          ///< of the plan
+  std::vector<Vec3> astray_;  ///< where the last surface and the segmentation are too far apart
   std::size_t least_astray_ = 0;
   std::vector<CarefulPlace> places_;  ///< where attempts have failed
   std::size_t first_fresh_ = 0;       ///< of the places: those of the last attempt follow
   TriangleMesh last_;                 ///< voxel lengths
+  bool settled_ = false;              ///< the last surface is, but in
+  std::vector<CarefulPlace> changed_;
   MeshReport report_;
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include "stages/adjacency.h"
 
@@ -109,35 +110,74 @@ Distribution describe(std::vector<float>& values) {
   return result;
 }
 
-QualityReport measure_quality(Backend& backend, const TriangleMesh& mesh) {
+Distribution describe_weighted(const std::vector<float>& values,
+                               const std::vector<float>& weights) {
+  std::vector<std::uint32_t> order(values.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::erase_if(order, [&](std::uint32_t i) { return !(weights[i] > 0); });
+  if (order.empty()) return {};
+  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return values[a] < values[b] || (values[a] == values[b] && a < b);
+  });
+  double total = 0, sum = 0, squares = 0;
+  for (std::uint32_t i : order) total += weights[i], sum += double{weights[i]} * values[i];
+  const double mean = sum / total;
+  for (std::uint32_t i : order) squares += weights[i] * (values[i] - mean) * (values[i] - mean);
+  const auto percentile = [&](double share) {
+    double below = 0;
+    for (std::uint32_t i : order)
+      if ((below += weights[i]) >= share * total) return double{values[i]};
+    return double{values[order.back()]};
+  };
+  return {mean,
+          std::sqrt(squares / total),
+          values[order.front()],
+          percentile(0.05),
+          percentile(0.5),
+          percentile(0.95),
+          values[order.back()]};
+}
+
+TriangleShapes triangle_shapes(Backend& backend, const TriangleMesh& mesh) {
   const std::size_t count = mesh.triangle_count();
-  QualityReport report;
-  if (count == 0) return report;
-  std::vector<float> ratio(count), angle(count), mean_edge(count);
+  TriangleShapes shapes{std::vector<float>(count), std::vector<float>(count),
+                        std::vector<float>(count)};
   std::vector<double> area(chunks(count), 0), volume(chunks(count), 0);
+  if (count == 0) return shapes;
   const Point origin = vertex(mesh, mesh.triangles[0]);
   backend.run(chunks(count), [&](std::size_t chunk) {
     for (std::size_t t = chunk * kChunk; t < std::min((chunk + 1) * kChunk, count); ++t) {
       const Figures f = figures_of(mesh, t, origin);
-      ratio[t] = f.longest > 0 ? static_cast<float>(f.shortest / f.longest) : 0.0f;
-      angle[t] = static_cast<float>(f.least_angle);
-      mean_edge[t] = static_cast<float>(f.mean_edge);
+      shapes.edge_ratio[t] = f.longest > 0 ? static_cast<float>(f.shortest / f.longest) : 0.0f;
+      shapes.least_angle[t] = static_cast<float>(f.least_angle);
+      shapes.mean_edge[t] = static_cast<float>(f.mean_edge);
       area[chunk] += f.area;
       volume[chunk] += f.volume;
     }
   });
-  for (double part : area) report.area += part;
-  for (double part : volume) report.volume += part;
+  for (double part : area) shapes.area += part;
+  for (double part : volume) shapes.volume += part;
+  return shapes;
+}
+
+QualityReport measure_quality(Backend& backend, const TriangleMesh& mesh) {
+  const std::size_t count = mesh.triangle_count();
+  QualityReport report;
+  if (count == 0) return report;
+  TriangleShapes shapes = triangle_shapes(backend, mesh);
+  report.area = shapes.area;
+  report.volume = shapes.volume;
+  const std::vector<float>& ratio = shapes.edge_ratio;
   const auto share = [&](auto&& condition) {
     return fraction(std::count_if(ratio.begin(), ratio.end(), condition), count);
   };
   report.edge_ratio_above_08 = share([](float tau) { return tau >= 0.8f; });
   report.edge_ratio_below_03 = share([](float tau) { return tau < 0.3f; });
   report.edge_ratio_below_01 = share([](float tau) { return tau < 0.1f; });
-  std::vector<float> ratios = size_ratios(backend, mesh, mean_edge);
+  std::vector<float> ratios = size_ratios(backend, mesh, shapes.mean_edge);
   backend.run(3, [&](std::size_t figure) {
-    if (figure == 0) report.edge_ratio = describe(ratio);
-    if (figure == 1) report.least_angle = describe(angle);
+    if (figure == 0) report.edge_ratio = describe(shapes.edge_ratio);
+    if (figure == 1) report.least_angle = describe(shapes.least_angle);
     if (figure == 2) report.size_ratio = describe(ratios);
   });
   return report;

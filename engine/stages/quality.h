@@ -16,7 +16,20 @@ namespace vasamesh {
 /// of no triangles is 0. The size ratio is taken over the edges that two triangles share.
 QualityReport measure_quality(Backend& backend, const TriangleMesh& mesh);
 
+/// The shapes one by one; an entry a triangle.
+struct TriangleShapes {
+  std::vector<float> edge_ratio;   ///< tau
+  std::vector<float> least_angle;  ///< degrees
+  std::vector<float> mean_edge;    ///< mm
+  double area = 0, volume = 0;     ///< of the whole surface, as in the report
+};
+TriangleShapes triangle_shapes(Backend& backend, const TriangleMesh& mesh);
+
 /// Mean, deviation and nearest-rank percentiles; reorders `values`.
 Distribution describe(std::vector<float>& values);
+
+/// The same of values that count by their weights, none below zero: a percentile is the least value
+/// with that share of the weight at or below it. \pre both are of one length.
+Distribution describe_weighted(const std::vector<float>& values, const std::vector<float>& weights);
 
 }  // namespace vasamesh

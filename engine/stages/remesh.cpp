@@ -16,6 +16,7 @@ namespace {
 
 constexpr float kFineBlock = 16, kBlock = 32;  // voxel lengths
 constexpr int kRounds = 5;
+constexpr int kPlaceRounds = 2;
 constexpr int kRepairedRounds = 2;  // the last ones
 
 /// A vertex removed is one that the next rounds need not look at: from the shortest edges up.
@@ -27,7 +28,6 @@ void run_rounds(Backend& backend, const RemeshGoal& goal, int rounds, int repair
   for (int round = 0; round < rounds; ++round)
     for_each_block(backend, {kBlock, 0.2f * static_cast<float>(round)}, surface,
                    [&](PatchMesh& part) {
-                     if (!goal.wants(part)) return;
                      split_long_edges(part, goal, kLongest);
                      collapse_short_edges(part, kShortest, kLongest);
                      flip_to_valence(part, 3);
@@ -52,23 +52,30 @@ WorkingSurface remesh_base(Backend& backend, const RemeshGoal& goal, const Trian
 
 TriangleMesh remesh(Backend& backend, const FieldView& field, const SizeView& sizes,
                     const TriangleMesh& mesh, std::span<const CarefulPlace> places) {
-  return make_mesh(remesh_base(backend, {field, sizes, places, false}, mesh));
+  const Places careful(places);
+  return make_mesh(remesh_base(backend, {field, sizes, &careful, false}, mesh));
 }
 
-std::vector<CarefulPlace> places_of(const TriangleMesh& mesh, std::span<const TrianglePair> pairs,
-                                    float radius, float factor) {
-  std::vector<CarefulPlace> places;
+TriangleMesh remesh_places(Backend& backend, const FieldView& field, const SizeView& sizes,
+                           const TriangleMesh& mesh, std::span<const CarefulPlace> places) {
+  const Places careful(places);
+  const RemeshGoal goal = {field, sizes, &careful, true};
+  WorkingSurface surface = make_working_surface(backend, goal, mesh);
+  run_rounds(backend, goal, kPlaceRounds, kRepairedRounds, surface);
+  finish(backend, goal, surface);
+  return make_mesh(surface);
+}
+
+std::vector<Vec3> centres_of(const TriangleMesh& mesh, std::span<const TrianglePair> pairs) {
+  std::vector<Vec3> centres;
   for (const TrianglePair& pair : pairs) {
     Vec3 centre;
     for (std::uint32_t t : {pair.first, pair.second})
       for (std::size_t i = 0; i < 3; ++i)
         centre = centre + (1.0f / 6) * vertex_at(mesh, mesh.triangles[3 * std::size_t{t} + i]);
-    bool covered = false;
-    for (const CarefulPlace& place : places)
-      covered |= squared_norm(centre - place.centre) < 0.25f * radius * radius;
-    if (!covered) places.push_back({centre, radius, factor});
+    centres.push_back(centre);
   }
-  return places;
+  return centres;
 }
 
 }  // namespace vasamesh

@@ -31,8 +31,12 @@ namespace vasamesh {
 TriangleMesh remesh(Backend& backend, const FieldView& field, const SizeView& sizes,
                     const TriangleMesh& mesh, std::span<const CarefulPlace> places = {});
 
-/// Balls round the pairs: one for each pair whose place no ball before it covers.
-std::vector<CarefulPlace> places_of(const TriangleMesh& mesh, std::span<const TrianglePair> pairs,
-                                    float radius, float factor);
+/// Remeshes a surface once more in the places, to their shorter edges; elsewhere it stays.
+/// \param mesh  as for remesh().
+TriangleMesh remesh_places(Backend& backend, const FieldView& field, const SizeView& sizes,
+                           const TriangleMesh& mesh, std::span<const CarefulPlace> places);
+
+/// The middles of the pairs' six corners.
+std::vector<Vec3> centres_of(const TriangleMesh& mesh, std::span<const TrianglePair> pairs);
 
 }  // namespace vasamesh

@@ -11,14 +11,10 @@ namespace vasamesh {
 
 namespace {
 
-constexpr std::size_t kCells = 64;        // size cells a brick
-constexpr std::size_t kSampleGrain = 64;  // samples a task takes
+constexpr std::size_t kCells = 64;  // size cells a brick
 constexpr std::size_t kTriangleGrain = 8192;
-constexpr float kRing = 1.0f;   // distance at which normals are compared
-constexpr float kReach = 0.5f;  // how far a base vertex may be from the zero set
-constexpr float kLargestRadius = 1e6f;
-constexpr float kFarthest = 32;  // lengths that a size is carried at most
-constexpr int kSteps = 6;        // Newton steps
+constexpr float kRings[] = {1, 1, 2, 3};  // steps to the distances at which normals are compared
+constexpr float kFarthest = 32;           // lengths that a size is carried at most
 constexpr std::uint32_t kNoVertex = 0xffffffffu;
 
 /// The first base vertex of each cell, not yet on the zero set.
@@ -38,13 +34,15 @@ SurfaceSamples first_vertices(const FieldView& field, const TriangleMesh& surfac
   return samples;
 }
 
-void settle(const FieldView& field, SurfaceSamples& samples, std::size_t i) {
-  Vec3 p = samples.position[i];
-  const FieldSample at = project_to_surface(field, kReach, kSteps, p);
-  if (!at.known) return;
-  samples.position[i] = p;
-  samples.normal[i] = -normalised(at.gradient);
-  samples.radius[i] = radius_of_curvature(field, p, samples.normal[i]);
+/// Puts the samples on the zero set and takes normals and radii there.
+void measure(Backend& backend, const FieldView& field, SurfaceSamples& samples) {
+  Buffer<Vec3> positions(backend, samples.count()), normals(backend, samples.count());
+  Buffer<float> radii(backend, samples.count());
+  backend.upload<Vec3>(positions.view(), samples.position);
+  backend.sizing_measure(field, positions.view(), normals.view(), radii.view());
+  backend.download<Vec3>(positions.view(), samples.position);
+  backend.download<Vec3>(normals.view(), samples.normal);
+  backend.download<float>(radii.view(), samples.radius);
 }
 
 float size_for(const SizeRule& rule, float radius) {
@@ -169,13 +167,21 @@ double predict_triangles(Backend& backend, const SizeView& sizes, const Triangle
   return total;
 }
 
-/// The square of d / (2 sin(theta / 2)) towards p + step; 0 where no surface is found.
-float squared_radius(const FieldView& field, const Vec3& p, const Vec3& normal, const Vec3& step) {
-  Vec3 q = p + step;
-  const FieldSample at = project_to_surface(field, norm(step), kSteps, q);
-  if (!at.known) return 0;
-  const float turned = squared_norm(normal + normalised(at.gradient));
-  return squared_norm(q - p) / std::max(turned, 1e-12f);
+/// A walk over the surface: where it has come to, and the tangent along which it goes on.
+struct Walk {
+  Vec3 at, direction;
+};
+
+/// Goes a step on. \return the square of d / (2 sin(theta / 2)) from p; 0 where no surface is
+/// found, and the walk stays where it was.
+float walk_on(const FieldView& field, const Vec3& p, const Vec3& normal, float step, Walk& walk) {
+  Vec3 q = walk.at + step * walk.direction;
+  const FieldSample found = project_to_surface(field, step, kSampleSteps, q);
+  if (!found.known) return 0;
+  const Vec3 there = -normalised(found.gradient);
+  walk = {q, normalised(walk.direction - dot(walk.direction, there) * there)};
+  const float squared = squared_norm(q - p) / std::max(squared_norm(normal - there), 1e-12f);
+  return std::min(squared, kLargestRadius * kLargestRadius);
 }
 
 /// The least factor of the places that hold a point, at least 0.4; 1 in none.
@@ -194,13 +200,21 @@ float radius_of_curvature(const FieldView& field, const Vec3& p, const Vec3& nor
   constexpr float kDirections[6][2] = {{1, 0},  {kHalf, kSine},   {-kHalf, kSine},
                                        {-1, 0}, {-kHalf, -kSine}, {kHalf, -kSine}};
   const Vec3 u = any_tangent(normal), v = cross(normal, u);
-  float least = kLargestRadius * kLargestRadius;
-  for (const auto& direction : kDirections) {
-    const Vec3 along = direction[0] * u + direction[1] * v;
-    const float squared =
-        std::min(squared_radius(field, p, normal, kRing * along), kLargestRadius * kLargestRadius);
-    least = std::min(
-        least, squared > 0 ? squared : squared_radius(field, p, normal, 0.5f * kRing * along));
+  std::array<Walk, 6> walks;
+  for (std::size_t i = 0; i < walks.size(); ++i)
+    walks[i] = {p, kDirections[i][0] * u + kDirections[i][1] * v};
+  float least = 0, far = 0;
+  for (const float step : kRings) {
+    float here = kLargestRadius * kLargestRadius;
+    for (Walk& walk : walks) {
+      float squared = walk_on(field, p, normal, step, walk);
+      if (!(squared > 0) && far == 0) squared = walk_on(field, p, normal, 0.5f * step, walk);
+      here = std::min(here, squared);
+    }
+    if (!(here > 0) && far > 0) break;
+    least = here;
+    far += step;
+    if (least < far * far) break;
   }
   return std::sqrt(least);
 }
@@ -239,12 +253,7 @@ SizeField make_sizes(Backend& backend, const IndicatorField& field, const Triang
   const FieldView view = field.view();
   SizeField result;
   result.samples = first_vertices(view, surface);
-  const std::size_t count = result.samples.count();
-  backend.run((count + kSampleGrain - 1) / kSampleGrain, [&](std::size_t task) {
-    const std::size_t end = std::min((task + 1) * kSampleGrain, count);
-    for (std::size_t i = task * kSampleGrain; i < end; ++i) settle(view, result.samples, i);
-  });
-
+  measure(backend, view, result.samples);
   smooth_radii(backend, field, result.samples);
   result.sizes = Buffer<float>(backend, view.coefficients.size / kBrickCells * kCells);
   apply_rule(backend, field, surface, rule, {}, result);

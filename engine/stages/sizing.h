@@ -20,6 +20,12 @@
 
 namespace vasamesh {
 
+/// How far a base vertex may be from the zero set, in voxel lengths; Newton steps onto it.
+inline constexpr float kSampleReach = 0.5f;
+inline constexpr int kSampleSteps = 6;
+
+inline constexpr float kLargestRadius = 1e6f;
+
 /// The surface at one place of each cell that it passes, in ascending order of cells.
 struct SurfaceSamples {
   std::vector<std::uint32_t> cell;  ///< 64 * brick + place
@@ -49,12 +55,13 @@ struct SizeRule {
 };
 
 /// The least of the radii |p - q| / |n(p) - n(q)| (d / (2 sin(theta / 2)) of eq. 5) in six
-/// directions about one voxel length from p, which is on the surface with that outward normal.
-/// Where a direction finds no surface, at half the distance; 0 where that fails too.
+/// directions about one voxel length from p, which is on the surface with that outward normal;
+/// where it comes out larger, two, four and at last seven lengths from p, so that the steps of the
+/// voxels along a wide vessel do not count as its curvature. Where a direction finds no surface, at
+/// half the distance; 0 where that fails too.
 float radius_of_curvature(const FieldView& field, const Vec3& p, const Vec3& normal);
 
 /// \param surface  the base surface, in voxel lengths: where the radii are taken.
-/// \pre the backend's memory is the host's.
 SizeField make_sizes(Backend& backend, const IndicatorField& field, const TriangleMesh& surface,
                      const SizeRule& rule);
 

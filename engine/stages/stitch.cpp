@@ -164,7 +164,7 @@ class Stitcher {
     return losers;
   }
 
-  /// Chords between vertices that lie on two gaps, or twice on one: only they can be wanted twice.
+  /// Chords from a vertex that lies on two gaps, or twice on one: only they can be wanted twice.
   void claim_chords(std::uint32_t l, std::vector<Claim>& claims) const {
     const auto loop = loops()[l];
     const std::size_t n = loop.size();
@@ -173,7 +173,7 @@ class Stitcher {
     for (const std::uint16_t* end = t + 3 * (n - 2); t != end; t += 3) {
       if (t[2] - t[0] + std::size_t{1} == n) continue;
       const std::uint32_t a = loop[t[0]], b = loop[t[2]];
-      if (shared_[a] > 1 && shared_[b] > 1)
+      if (shared_[a] > 1 || shared_[b] > 1)
         claims.push_back({std::min(a, b), std::max(a, b), lost_count_[l], l, {t[0], t[2]}});
     }
   }

@@ -15,6 +15,7 @@
 #include "io/volume_reader.h"
 #include "stages/distance.h"
 #include "stages/points.h"
+#include "stages/principal_curvatures.h"
 #include "stages/quality.h"
 #include "stages/topology_count.h"
 #include "stages/verify.h"
@@ -26,6 +27,7 @@ namespace {
 struct Examination {
   CheckReport check;
   QualityReport quality;
+  Distribution curvature;  ///< RMS, 1 / mm
   std::optional<DistanceReport> distance;
   bool voxel_known = false;
 };
@@ -74,7 +76,20 @@ std::optional<TriangleMesh> reference_surface(const CheckRequest& request,
   return std::nullopt;
 }
 
+void write_map(Backend& backend, const CheckRequest& request, const TriangleMesh& mesh,
+               const PrincipalCurvatures& curvatures) {
+  TriangleShapes shapes = triangle_shapes(backend, mesh);
+  write_surface_map(request.map, mesh, request.space,
+                    {{"rms_curvature", curvatures.rms()},
+                     {"kmax", curvatures.most},
+                     {"kmin", curvatures.least},
+                     {"area", curvatures.area}},
+                    {{"edge_ratio", std::move(shapes.edge_ratio)},
+                     {"least_angle", std::move(shapes.least_angle)}});
+}
+
 Examination examine(const CheckRequest& request) {
+  if (!request.map.empty()) check_output_path(request.map);
   TriangleMesh mesh = read_surface(request.surface);
   std::optional<Segmentation> volume;
   if (!request.volume.empty()) volume = read_segmentation(request.volume, request.read);
@@ -86,6 +101,9 @@ Examination examine(const CheckRequest& request) {
   result.check = volume ? check_against(backend, mesh, *volume, request)
                         : check_surface(backend, mesh, nullptr);
   result.quality = measure_quality(backend, mesh);
+  const PrincipalCurvatures curvatures = principal_curvatures(backend, mesh);
+  result.curvature = describe_weighted(curvatures.rms(), curvatures.area);
+  if (!request.map.empty()) write_map(backend, request, mesh, curvatures);
   if (const auto reference = reference_surface(request, volume)) {
     const double voxel =
         volume ? voxel_length(volume->geometry)
@@ -110,7 +128,8 @@ nlohmann::ordered_json to_json(const CheckRequest& request, const Examination& r
   nlohmann::ordered_json json = {{"schema_version", Report::kSchemaVersion},
                                  {"surface", request.surface},
                                  {"check", vasamesh::to_json(result.check)},
-                                 {"quality", vasamesh::to_json(result.quality)}};
+                                 {"quality", vasamesh::to_json(result.quality)},
+                                 {"rms_curvature", vasamesh::to_json(result.curvature)}};
   if (result.distance) {
     const DistanceReport& d = *result.distance;
     json["distance"] = {{"to", to_json(d.to, d.voxel, result.voxel_known)},
@@ -126,6 +145,7 @@ void print(const CheckRequest& request, const Examination& result) {
     return;
   }
   print_check(request.surface, result.check, result.quality);
+  print_curvature(result.curvature);
   if (result.distance) print_distance(*result.distance, result.voxel_known);
   fmt::print("  {:<28}{}\n", "verdict", result.check.passed ? "passed" : "failed");
 }

@@ -29,6 +29,7 @@ struct CheckRequest {
   std::string surface;
   std::string volume;     ///< --against; empty: none
   std::string reference;  ///< --reference; empty: none
+  std::string map;        ///< --map; empty: none
   bool json = false;
   ReadOptions read;
   Connectivity connectivity = Connectivity::vertex;

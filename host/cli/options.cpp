@@ -169,6 +169,7 @@ CLI::App* add_check(CLI::App& app, CheckRequest& request) {
   add_space(check, request.space, "Space of SURFACE, for --against");
   add_threads(check, request.threads);
   check->add_flag("--json", request.json, "Print JSON");
+  check->add_option("--map", request.map, "Write the curvatures and shapes on the surface, .vtp");
   check->footer(kCheckExamples);
   return check;
 }

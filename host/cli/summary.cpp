@@ -157,6 +157,8 @@ void print_check(const std::string& surface, const CheckReport& check,
   fmt::print("  {:<28}{:.6g} mm^3\n", "volume", quality.volume);
 }
 
+void print_curvature(const Distribution& rms) { print_distribution("RMS curvature, 1/mm", rms); }
+
 void print_distance(const DistanceReport& distance, bool voxel_known) {
   print_one_way("distance to the reference", distance.to, distance.voxel, voxel_known);
   print_one_way("and back", distance.back, distance.voxel, voxel_known);

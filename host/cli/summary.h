@@ -17,6 +17,9 @@ void print_conversion(const std::string& input, const std::string& output, const
 void print_check(const std::string& surface, const CheckReport& check,
                  const QualityReport& quality);
 
+/// The distribution of the RMS curvature.
+void print_curvature(const Distribution& rms);
+
 /// \param voxel_known  false: distances in mm alone.
 void print_distance(const DistanceReport& distance, bool voxel_known);
 

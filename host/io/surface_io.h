@@ -5,6 +5,7 @@
 /// VTK (.vtk) in only.
 
 #include <string>
+#include <vector>
 
 #include "vasamesh/parameters.h"
 #include "vasamesh/types.h"
@@ -27,6 +28,19 @@ TriangleMesh read_surface(const std::string& path);
 ///
 /// \throws Error usage (unknown ending), refused (folder missing or not writable, disk full).
 void write_surface(const std::string& path, const TriangleMesh& mesh, Space space);
+
+/// A number at each vertex or triangle, under a name.
+struct SurfaceArray {
+  std::string name;
+  std::vector<float> values;
+};
+
+/// Writes a .vtp with numbers at its vertices and triangles, for viewers to colour it by.
+/// \pre each array has an entry for every vertex, or triangle.
+/// \throws Error usage (another ending), refused (as write_surface).
+void write_surface_map(const std::string& path, const TriangleMesh& mesh, Space space,
+                       const std::vector<SurfaceArray>& of_vertices,
+                       const std::vector<SurfaceArray>& of_triangles);
 
 /// What write_surface would refuse, found before any work is done.
 /// \throws Error usage (unknown ending), refused (folder missing or not writable, a folder of that

@@ -4,9 +4,11 @@
 
 #include <fmt/format.h>
 #include <vtkCellArray.h>
+#include <vtkCellData.h>
 #include <vtkFieldData.h>
 #include <vtkFloatArray.h>
 #include <vtkNew.h>
+#include <vtkPointData.h>
 #include <vtkPoints.h>
 #include <vtkPolyData.h>
 #include <vtkStringArray.h>
@@ -158,9 +160,19 @@ vtkSmartPointer<vtkPolyData> poly_data(const TriangleMesh& mesh, Space space) {
   return data;
 }
 
-std::string encode_vtp(const TriangleMesh& mesh, Space space) {
+void add_arrays(const std::vector<SurfaceArray>& arrays, vtkFieldData& data) {
+  for (const SurfaceArray& array : arrays) {
+    vtkNew<vtkFloatArray> values;
+    values->SetName(array.name.c_str());
+    values->SetNumberOfValues(static_cast<vtkIdType>(array.values.size()));
+    std::copy(array.values.begin(), array.values.end(), values->GetPointer(0));
+    data.AddArray(values);
+  }
+}
+
+std::string encode_poly_data(vtkPolyData* data) {
   vtkNew<vtkXMLPolyDataWriter> writer;
-  writer->SetInputData(poly_data(mesh, space));
+  writer->SetInputData(data);
   writer->SetDataModeToAppended();
   writer->EncodeAppendedDataOff();
   writer->SetCompressorTypeToNone();
@@ -168,6 +180,10 @@ std::string encode_vtp(const TriangleMesh& mesh, Space space) {
   writer->WriteToOutputStringOn();
   if (writer->Write() != 1) throw Error(ErrorCode::internal, "VTK could not encode the surface");
   return writer->GetOutputString();
+}
+
+std::string encode_vtp(const TriangleMesh& mesh, Space space) {
+  return encode_poly_data(poly_data(mesh, space));
 }
 
 }  // namespace
@@ -196,6 +212,17 @@ void write_surface(const std::string& path, const TriangleMesh& mesh, Space spac
                       : ending == ".ply" ? encode_ply
                                          : encode_obj;
   write_file(path, encode(mesh, space));
+}
+
+void write_surface_map(const std::string& path, const TriangleMesh& mesh, Space space,
+                       const std::vector<SurfaceArray>& of_vertices,
+                       const std::vector<SurfaceArray>& of_triangles) {
+  if (surface_ending(path) != ".vtp")
+    throw Error(ErrorCode::usage, path + ": a surface with numbers on it; use the ending .vtp");
+  const vtkSmartPointer<vtkPolyData> data = poly_data(mesh, space);
+  add_arrays(of_vertices, *data->GetPointData());
+  add_arrays(of_triangles, *data->GetCellData());
+  write_file(path, encode_poly_data(data));
 }
 
 }  // namespace vasamesh

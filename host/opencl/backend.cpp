@@ -37,6 +37,11 @@ bool shares_memory(const cl::Device& device, DeviceCopies wanted) {
   return wanted == DeviceCopies::by_device ? is_cpu(device) : wanted == DeviceCopies::shared;
 }
 
+std::optional<ProgramCache> cache_for(const cl::Device& device, const std::string& folder) {
+  if (folder.empty() && keeps_programs(device)) return std::nullopt;
+  return ProgramCache(folder);
+}
+
 /// Turns block totals into the blocks' starts, in place. \return the sum of all.
 std::uint64_t starts_of(std::vector<std::uint64_t>& totals) {
   std::uint64_t sum = 0;
@@ -64,7 +69,7 @@ std::shared_ptr<Backend> make_opencl_backend(const OpenClOptions& options) {
   try {
     return std::make_shared<OpenClBackend>(
         device, shape_for(device, options), shares_memory(device, options.copies),
-        ProgramCache(options.cache_folder), options.workers, options.total, options.stages);
+        cache_for(device, options.cache_folder), options.workers, options.total, options.stages);
   } catch (const DeviceFailure& failure) {
     throw Error(ErrorCode::no_device, std::string("the OpenCL device cannot be opened: ") +
                                           failure.what() + "; see vasamesh devices");
@@ -72,7 +77,7 @@ std::shared_ptr<Backend> make_opencl_backend(const OpenClOptions& options) {
 }
 
 OpenClBackend::OpenClBackend(cl::Device device, const WorkShape& shape, bool shared_memory,
-                             ProgramCache cache, std::shared_ptr<Backend> workers,
+                             std::optional<ProgramCache> cache, std::shared_ptr<Backend> workers,
                              std::shared_ptr<ByteAccount> total, std::uint32_t stages)
     : device_(std::move(device)),
       device_name_(ask<CL_DEVICE_NAME>(device_)),

@@ -36,8 +36,9 @@ struct OpenClOptions {
   std::optional<WorkShape> work_shape;  ///< instead of what `shape` says
   std::uint32_t stages = kAllStages;    ///< bit_of each Stage that it offers, of those with kernels
   DeviceCopies copies = DeviceCopies::by_device;
-  /// Where built programs are kept; empty: $XDG_CACHE_HOME/vasamesh or ~/.cache/vasamesh. A folder
-  /// that cannot be written costs a build each time, no error.
+  /// Where built programs are kept; empty: $XDG_CACHE_HOME/vasamesh or ~/.cache/vasamesh, and
+  /// nowhere on platforms that keep them themselves. A folder that cannot be written costs a build
+  /// each time, no error.
   std::string cache_folder;
   /// Runs the host's part of stages; null: the calling thread does.
   std::shared_ptr<Backend> workers;

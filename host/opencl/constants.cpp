@@ -6,6 +6,7 @@
 #include "stages/gradient_table.h"
 #include "stages/jacobi.h"
 #include "stages/normals.h"
+#include "stages/sizing.h"
 #include "types/lattice.h"
 #include "types/volume.h"
 
@@ -35,7 +36,9 @@ std::string kernel_constants() {
          define("NORMALS_TANGENT_WEIGHT", kTangentWeight) +
          define("NORMALS_NO_GRADIENT", kNoGradient) +
          define("NORMALS_AGAINST_FACES", kAgainstFaces) + define("NORMALS_SPAN", kMaxGradientSpan) +
-         define("NORMALS_FRACTIONS", kFractions) + define("NORMALS_SWEEPS", kJacobiSweeps);
+         define("NORMALS_FRACTIONS", kFractions) + define("NORMALS_SWEEPS", kJacobiSweeps) +
+         define("SIZING_REACH", kSampleReach) + define("SIZING_STEPS", kSampleSteps) +
+         define("SIZING_LARGEST_RADIUS", kLargestRadius);
 }
 
 }  // namespace vasamesh

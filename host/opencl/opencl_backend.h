@@ -30,14 +30,14 @@ std::string lacks(const cl::Device& device, const WorkShape& shape);
 class OpenClBackend final : public Backend {
  public:
   /// \param workers  runs the tasks of run().
-  OpenClBackend(cl::Device device, const WorkShape& shape, bool shared_memory, ProgramCache cache,
-                std::shared_ptr<Backend> workers, std::shared_ptr<ByteAccount> total,
-                std::uint32_t stages);
+  OpenClBackend(cl::Device device, const WorkShape& shape, bool shared_memory,
+                std::optional<ProgramCache> cache, std::shared_ptr<Backend> workers,
+                std::shared_ptr<ByteAccount> total, std::uint32_t stages);
 
   std::string name() const override { return "opencl"; }
   std::string device() const override { return device_name_; }
   bool offers(Stage stage) const override {
-    return stage <= Stage::surface && (stages_ & bit_of(stage));
+    return stage <= Stage::sizing && (stages_ & bit_of(stage));
   }
   std::size_t memory() const override { return global_memory_; }
   std::size_t bytes_held() const override { return account_.held(); }
@@ -146,6 +146,8 @@ class OpenClBackend final : public Backend {
                     View<const std::uint16_t> node_start, View<const std::uint32_t> vertex_start,
                     View<const std::uint32_t> triangle_start, View<float> vertices,
                     View<std::uint32_t> triangles) override;
+  void sizing_measure(const FieldView& field, View<Vec3> positions, View<Vec3> normals,
+                      View<float> radii) override;
 
  private:
   void bring_to_host(void* handle, bool writes) override { memory_->bring_to_host(handle, writes); }

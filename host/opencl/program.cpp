@@ -12,12 +12,6 @@ namespace vasamesh {
 
 namespace {
 
-std::string_view text_of(std::span<const KernelSource> sources, std::string_view file) {
-  for (const KernelSource& source : sources)
-    if (source.file == file) return source.text;
-  throw Error(ErrorCode::internal, "no kernel file " + std::string(file) + " in this build");
-}
-
 std::string options_of(const cl::Device& device, const WorkShape& shape) {
   std::string options = "-cl-std=CL1.2 -w";
   if (ask<CL_DEVICE_SINGLE_FP_CONFIG>(device) & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT)
@@ -59,7 +53,7 @@ std::string binary_of(const cl::Program& program) {
 }  // namespace
 
 Programs::Programs(cl::Context context, cl::Device device, const WorkShape& shape,
-                   ProgramCache cache, std::span<const KernelSource> sources)
+                   std::optional<ProgramCache> cache, std::span<const KernelSource> sources)
     : context_(std::move(context)),
       device_(std::move(device)),
       options_(options_of(device_, shape)),
@@ -68,44 +62,38 @@ Programs::Programs(cl::Context context, cl::Device device, const WorkShape& shap
 
 cl::Kernel& Programs::kernel(const std::string& name) {
   if (const auto found = kernels_.find(name); found != kernels_.end()) return found->second;
-  const std::string file = file_of(name);
   cl_int status = CL_SUCCESS;
-  cl::Kernel kernel(program(file), name.c_str(), &status);
-  check(status, "taking kernel " + name + " from " + file);
+  cl::Kernel kernel(program(), name.c_str(), &status);
+  check(status, "taking kernel " + name);
   return kernels_.emplace(name, std::move(kernel)).first->second;
 }
 
-std::string Programs::file_of(const std::string& kernel) const {
-  const std::string definition = "void " + kernel + "(";
-  for (const KernelSource& source : sources_)
-    if (source.text.find(definition) != std::string_view::npos) return std::string(source.file);
-  throw Error(ErrorCode::internal, "no kernel " + kernel + " in this build");
-}
-
-const cl::Program& Programs::program(const std::string& file) {
-  if (const auto found = programs_.find(file); found != programs_.end()) return found->second;
-  const std::string source = source_of(file);
-  const std::string key = key_of(device_, options_, source);
+const cl::Program& Programs::program() {
+  if (program_()) return program_;
+  const std::string text = source();
+  if (!cache_) return program_ = build(text);
+  const std::string key = key_of(device_, options_, text);
   cl::Program program = from_cache(key);
   if (!program()) {
-    program = build(file, source);
-    if (const std::string binary = binary_of(program); !binary.empty()) cache_.store(key, binary);
+    program = build(text);
+    if (const std::string binary = binary_of(program); !binary.empty()) cache_->store(key, binary);
   }
-  return programs_.emplace(file, std::move(program)).first->second;
+  return program_ = program;
 }
 
-/// common.cl and the file, numbered as the log shall number their lines.
-std::string Programs::source_of(const std::string& file) const {
-  std::string source = "#line 1 \"common.cl\"\n";
-  source += text_of(sources_, "common.cl");
-  source += "\n#line 1 \"" + file + "\"\n";
-  source += text_of(sources_, file);
+/// common.cl, then the others, numbered as the log shall number their lines.
+std::string Programs::source() const {
+  std::string source;
+  for (const bool common : {true, false})
+    for (const KernelSource& part : sources_)
+      if ((part.file == "common.cl") == common)
+        source += "\n#line 1 \"" + std::string(part.file) + "\"\n" + std::string(part.text);
   return source;
 }
 
 /// An empty program where the cache has none that the driver accepts.
 cl::Program Programs::from_cache(const std::string& key) const {
-  const std::optional<std::string> binary = cache_.load(key);
+  const std::optional<std::string> binary = cache_->load(key);
   if (!binary) return {};
   cl_int status = CL_SUCCESS;
   cl::Program program(context_, {device_}, {{binary->begin(), binary->end()}}, nullptr, &status);
@@ -120,17 +108,22 @@ cl_int Programs::build(const cl::Program& program) const {
   return run_beside(work, checkpoint_);
 }
 
-cl::Program Programs::build(const std::string& file, const std::string& source) const {
+cl::Program Programs::build(const std::string& source) const {
   cl_int status = CL_SUCCESS;
   cl::Program program(context_, source, false, &status);
-  check(status, "making a program of " + file);
+  check(status, "making a program of the kernels");
   const cl_int built = build(program);
   if (built == CL_SUCCESS) return program;
   throw DeviceFailure(
       built == CL_COMPILER_NOT_AVAILABLE ? ErrorCode::no_device : ErrorCode::internal,
-      file + " does not build for " + device_.getInfo<CL_DEVICE_NAME>() + ", " +
+      "the kernels do not build for " + device_.getInfo<CL_DEVICE_NAME>() + ", " +
           status_name(built) + ", use --backend tbb; log: " +
           one_line(program.getBuildInfo<CL_PROGRAM_BUILD_LOG>(device_)));
+}
+
+bool keeps_programs(const cl::Device& device) {
+  const cl::Platform platform(ask<CL_DEVICE_PLATFORM>(device));
+  return ask<CL_PLATFORM_NAME>(platform).find("Portable Computing Language") != std::string::npos;
 }
 
 }  // namespace vasamesh

@@ -1,11 +1,12 @@
 #pragma once
 
 /// \file
-/// Kernels by name, built for one device: a file of kernels/ is a program, built when the first of
-/// its kernels is asked for, from the cache on disk where it holds one.
+/// Kernels by name, built for one device: the files of kernels/ are one program, built when the
+/// first kernel is asked for, from the cache on disk where it holds one.
 
 #include <functional>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -18,32 +19,37 @@ namespace vasamesh {
 
 class Programs {
  public:
-  Programs(cl::Context context, cl::Device device, const WorkShape& shape, ProgramCache cache,
+  /// \param cache  none on platforms that keep programs themselves (keeps_programs).
+  Programs(cl::Context context, cl::Device device, const WorkShape& shape,
+           std::optional<ProgramCache> cache,
            std::span<const KernelSource> sources = kernel_sources());
 
-  /// The kernel of that name, from the file that defines it. \throws DeviceFailure internal, with
-  /// the build's log, when the file does not build; no_device where the device has no compiler.
+  /// \throws DeviceFailure internal, with the build's log, when the files do not build; no_device
+  /// where the device has no compiler.
   cl::Kernel& kernel(const std::string& name);
 
   /// What to call while a program is built.
   void set_checkpoint(std::function<void()> checkpoint) { checkpoint_ = std::move(checkpoint); }
 
  private:
-  std::string file_of(const std::string& kernel) const;
-  const cl::Program& program(const std::string& file);
-  std::string source_of(const std::string& file) const;
+  const cl::Program& program();
+  std::string source() const;
   cl::Program from_cache(const std::string& key) const;
-  cl::Program build(const std::string& file, const std::string& source) const;
+  cl::Program build(const std::string& source) const;
   cl_int build(const cl::Program& program) const;
 
   cl::Context context_;
   cl::Device device_;
   std::string options_;
-  ProgramCache cache_;
+  std::optional<ProgramCache> cache_;
   std::span<const KernelSource> sources_;
   std::function<void()> checkpoint_;
-  std::map<std::string, cl::Program> programs_;  // by file
-  std::map<std::string, cl::Kernel> kernels_;    // by name
+  cl::Program program_;                        // none until it is built
+  std::map<std::string, cl::Kernel> kernels_;  // by name
 };
+
+/// Whether the device's platform keeps what it has built on disk. (PoCL does, kernel by kernel as
+/// they are launched; asking it for a program's binary makes it build each kernel once more.)
+bool keeps_programs(const cl::Device& device);
 
 }  // namespace vasamesh

@@ -9,8 +9,9 @@
 #include <vector>
 
 #include "stages/far_offsets.h"
-#include "tbb/lattice_access.h"
 #include "tbb/tbb_backend.h"
+#include "types/lattice_access.h"
+#include "types/marching_cube.h"
 
 namespace vasamesh {
 
@@ -51,35 +52,6 @@ struct NearOffset {
   FarOffset reach;
   int index;
 };
-
-/// The twelve edges of a marching cube round a lattice corner: the faces between its voxels.
-constexpr std::array<NodeOffset, 12> kCubeFaces = {{{0, -1, -1},
-                                                    {0, 1, -1},
-                                                    {0, -1, 1},
-                                                    {0, 1, 1},
-                                                    {-1, 0, -1},
-                                                    {1, 0, -1},
-                                                    {-1, 0, 1},
-                                                    {1, 0, 1},
-                                                    {-1, -1, 0},
-                                                    {1, -1, 0},
-                                                    {-1, 1, 0},
-                                                    {1, 1, 0}}};
-
-/// The edges of the cube (of kCubeFaces) on each of its six sides.
-constexpr std::array<std::array<int, 4>, 6> cube_sides() {
-  std::array<std::array<int, 4>, 6> sides{};
-  for (std::size_t side = 0; side < 6; ++side) {
-    std::size_t found = 0;
-    for (std::size_t i = 0; i < 12; ++i) {
-      const NodeOffset o = kCubeFaces[i];
-      const int along = side / 2 == 0 ? o.x : side / 2 == 1 ? o.y : o.z;
-      if (along == (side % 2 ? 1 : -1)) sides[side][found++] = static_cast<int>(i);
-    }
-  }
-  return sides;
-}
-constexpr std::array<std::array<int, 4>, 6> kCubeSides = cube_sides();
 
 /// The tests on one lattice; lengths in voxel lengths.
 class FarTest {
@@ -236,48 +208,9 @@ class FarTest {
     return false;
   }
 
-  /// The boundary faces of the marching cube round a corner and the sides of its polygons: on each
-  /// of the cube's six sides up to two, from face to face, that part object from background.
-  struct Cube {
-    std::array<bool, 12> crossed{};              // of kCubeFaces
-    std::array<std::array<int, 2>, 12> sides{};  // of kCubeFaces
-    std::size_t side_count = 0;
-    int count = 0;  // crossed ones
-  };
-
-  static Cube cube_round(const StateHalo& halo, int x, int y, int z) {
-    Cube cube;
-    for (std::size_t i = 0; i < 12; ++i) {
-      const NodeOffset o = kCubeFaces[i];
-      cube.crossed[i] = (halo.values[StateHalo::at(x + o.x, y + o.y, z + o.z)] & kFaceCentre) != 0;
-      cube.count += cube.crossed[i];
-    }
-    if (cube.count < 3) return cube;
-    for (const auto& side : kCubeSides) {
-      std::array<int, 4> found{};
-      int count = 0;
-      for (const int i : side)
-        if (cube.crossed[static_cast<std::size_t>(i)]) found[static_cast<std::size_t>(count++)] = i;
-      if (count == 2) cube.sides[cube.side_count++] = {found[0], found[1]};
-      if (count == 4) add_parted_sides(halo, {x, y, z}, side, cube);
-    }
-    return cube;
-  }
-
-  /// The two sides that part the object's corners of an ambiguous side from each other.
-  static void add_parted_sides(const StateHalo& halo, const std::array<int, 3>& corner,
-                               const std::array<int, 4>& side, Cube& cube) {
-    for (std::size_t i = 0; i < 4; ++i)
-      for (std::size_t j = 0; j < i; ++j) {
-        const NodeOffset a = kCubeFaces[static_cast<std::size_t>(side[i])],
-                         b = kCubeFaces[static_cast<std::size_t>(side[j])];
-        // The voxel that both touch; parallel edges of the cube's side touch none.
-        const auto join = [](int p, int q) { return p == q || q == 0 ? p : p == 0 ? q : 0; };
-        const int x = join(a.x, b.x), y = join(a.y, b.y), z = join(a.z, b.z);
-        if (x == 0 || y == 0 || z == 0) continue;
-        if (halo.values[StateHalo::at(corner[0] + x, corner[1] + y, corner[2] + z)] & kSolid)
-          cube.sides[cube.side_count++] = {side[i], side[j]};
-      }
+  static MarchingCube cube_round(const StateHalo& halo, int x, int y, int z) {
+    return MarchingCube(
+        [&](NodeOffset o) { return halo.values[StateHalo::at(x + o.x, y + o.y, z + o.z)]; });
   }
 
   /// Whether a side of a marching cube's polygons lies within the limit of a point.
@@ -288,7 +221,7 @@ class FarTest {
     for (int k = 0; k < 27; ++k) {
       const int x = corner[0] + 2 * (k % 3 - 1), y = corner[1] + 2 * (k / 3 % 3 - 1),
                 z = corner[2] + 2 * (k / 9 - 1);
-      const Cube cube = cube_round(*node.halo, x, y, z);
+      const MarchingCube cube = cube_round(*node.halo, x, y, z);
       for (std::size_t s = 0; s < cube.side_count; ++s)
         if (square_to_segment(point, face_at(x, y, z, cube.sides[s][0]),
                               face_at(x, y, z, cube.sides[s][1])) <= limit_ * limit_)
@@ -318,22 +251,14 @@ class FarTest {
   /// Whether a polygon of the marching cube round a corner is far from the surface, in its middle
   /// or between two of its corners.
   bool cube_is_far(const Node& node) const {
-    const Cube cube = cube_round(*node.halo, node.x, node.y, node.z);
+    const MarchingCube cube = cube_round(*node.halo, node.x, node.y, node.z);
     if (cube.count < 3) return false;
     SurfaceNear surface(*this, node, cube.crossed);
-    std::array<bool, 12> seen{};
-    for (int first = 0; first < 12; ++first) {
-      if (!cube.crossed[static_cast<std::size_t>(first)] || seen[static_cast<std::size_t>(first)])
-        continue;
-      std::array<int, 12> polygon{};
-      int size = 0;
-      for (int i = first; i >= 0; i = next_corner(cube, seen, i)) {
-        seen[static_cast<std::size_t>(i)] = true;
-        polygon[static_cast<std::size_t>(size++)] = i;
-      }
-      if (polygon_is_far(polygon, size, surface)) return true;
-    }
-    return false;
+    bool far = false;
+    cube.for_each_polygon([&](const std::array<int, 12>& polygon, int size) {
+      far = far || polygon_is_far(polygon, size, surface);
+    });
+    return far;
   }
 
   static bool polygon_is_far(const std::array<int, 12>& polygon, int size, SurfaceNear& surface) {
@@ -344,16 +269,6 @@ class FarTest {
           if (surface.is_far({polygon[i], polygon[j], polygon[k]}, 3)) return true;
       }
     return false;
-  }
-
-  /// A corner of the polygon that a side joins to corner i and that has not been seen; -1 for none.
-  static int next_corner(const Cube& cube, const std::array<bool, 12>& seen, int i) {
-    for (std::size_t s = 0; s < cube.side_count; ++s) {
-      const auto& [a, b] = cube.sides[s];
-      const int other = a == i ? b : b == i ? a : -1;
-      if (other >= 0 && !seen[static_cast<std::size_t>(other)]) return other;
-    }
-    return -1;
   }
 
   /// Where the surface crosses the edges of the nodes near a node.

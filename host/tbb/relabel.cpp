@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "tbb/lattice_access.h"
+#include "types/lattice_access.h"
 #include "tbb/tbb_backend.h"
 
 namespace vasamesh {

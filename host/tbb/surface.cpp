@@ -4,7 +4,7 @@
 #include <array>
 #include <bit>
 
-#include "tbb/lattice_access.h"
+#include "types/lattice_access.h"
 #include "tbb/tbb_backend.h"
 #include "types/tetrahedra.h"
 

@@ -129,6 +129,8 @@ class TbbBackend final : public Backend {
                     View<const std::uint16_t> node_start, View<const std::uint32_t> vertex_start,
                     View<const std::uint32_t> triangle_start, View<float> vertices,
                     View<std::uint32_t> triangles) override;
+  void sizing_measure(const FieldView& field, View<Vec3> positions, View<Vec3> normals,
+                      View<float> radii) override;
 
  private:
   /// body(i) for i in 0 .. count - 1, in pieces of `grain`, on the arena's workers; a checkpoint

@@ -16,7 +16,8 @@ namespace vasamesh {
 /// memory of its own, as on a GPU. The last two are absent in a build without OpenCL.
 std::vector<std::string> backend_names();
 
-/// The backend of that name; null where it needs an OpenCL device and there is none.
+/// The backend of that name, or "opencl_small_group", whose items take several rows of a brick;
+/// null where it needs an OpenCL device and there is none.
 std::shared_ptr<Backend> open_backend(const std::string& name);
 
 /// A buffer of the backend with the given values.

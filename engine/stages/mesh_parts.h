@@ -1,0 +1,24 @@
+#pragma once
+
+/// \file
+/// Parts of meshes: taken out, joined, and put back where they were.
+
+#include <cstdint>
+#include <vector>
+
+#include "vasamesh/types.h"
+
+namespace vasamesh {
+
+/// The chosen triangles of a mesh (a byte a triangle), and the vertices that they have.
+TriangleMesh part_of(const TriangleMesh& mesh, const std::vector<std::uint8_t>& chosen);
+
+/// One mesh and another, nothing shared.
+TriangleMesh joined(TriangleMesh first, const TriangleMesh& second);
+
+/// The mesh with other triangles in the place of the chosen ones. Vertices of `part` that lie
+/// exactly where the chosen triangles meet the others are those of the mesh.
+TriangleMesh with_part(const TriangleMesh& mesh, const std::vector<std::uint8_t>& chosen,
+                       const TriangleMesh& part);
+
+}  // namespace vasamesh

@@ -1,0 +1,76 @@
+#include "stages/places.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace vasamesh {
+
+namespace {
+
+constexpr float kInverseSide = 0.125f;  // of a cell, in voxel lengths
+
+/// A cell's coordinate; 21 bits.
+std::uint64_t cell_of(float x) {
+  constexpr float kMost = 1 << 20;
+  return static_cast<std::uint64_t>(std::clamp(std::floor(kInverseSide * x), -kMost, kMost - 1) +
+                                    kMost);
+}
+
+std::uint64_t key_of(std::uint64_t x, std::uint64_t y, std::uint64_t z) {
+  return x | y << 21 | z << 42;
+}
+
+}  // namespace
+
+Places::Places(std::span<const CarefulPlace> places) : places_(places.begin(), places.end()) {
+  for (std::uint32_t i = 0; i < places_.size(); ++i) {
+    const Vec3& c = places_[i].centre;
+    const float reach = places_[i].radius + kMargin;
+    for (std::uint64_t z = cell_of(c.z - reach); z <= cell_of(c.z + reach); ++z)
+      for (std::uint64_t y = cell_of(c.y - reach); y <= cell_of(c.y + reach); ++y)
+        for (std::uint64_t x = cell_of(c.x - reach); x <= cell_of(c.x + reach); ++x)
+          cells_.emplace_back(key_of(x, y, z), i);
+  }
+  std::sort(cells_.begin(), cells_.end());
+}
+
+template <class Visit>
+void Places::for_each_near(const Vec3& p, const Visit& visit) const {
+  if (places_.empty()) return;
+  const std::uint64_t key = key_of(cell_of(p.x), cell_of(p.y), cell_of(p.z));
+  for (auto it = std::lower_bound(cells_.begin(), cells_.end(), std::pair{key, 0u});
+       it != cells_.end() && it->first == key; ++it)
+    visit(places_[it->second]);
+}
+
+bool Places::hold(const Vec3& p, float margin) const {
+  bool held = false;
+  for_each_near(p, [&](const CarefulPlace& place) { held = held || place.holds(p, margin); });
+  return held;
+}
+
+float Places::factor_at(const Vec3& p) const {
+  constexpr float kNone = 1e9f;
+  float factor = kNone;
+  for_each_near(p, [&](const CarefulPlace& place) {
+    if (place.holds(p)) factor = std::min(factor, place.factor);
+  });
+  return factor < kNone ? factor : 1;
+}
+
+bool Places::any_fixed() const {
+  return std::any_of(places_.begin(), places_.end(),
+                     [](const CarefulPlace& place) { return place.factor == 0; });
+}
+
+std::vector<CarefulPlace> places_at(std::span<const Vec3> points, float radius, float factor) {
+  std::vector<CarefulPlace> places;
+  for (const Vec3& p : points)
+    if (std::none_of(places.begin(), places.end(), [&](const CarefulPlace& place) {
+          return squared_norm(p - place.centre) < 0.25f * (radius * radius);
+        }))
+      places.push_back({p, radius, factor});
+  return places;
+}
+
+}  // namespace vasamesh

@@ -1,0 +1,45 @@
+#pragma once
+
+/// \file
+/// Places of a surface that are to be treated with care, found through the cells of a grid.
+
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "types/sizes.h"
+#include "types/vec3.h"
+
+namespace vasamesh {
+
+class Places {
+ public:
+  Places() = default;
+  explicit Places(std::span<const CarefulPlace> places);
+
+  bool empty() const { return places_.empty(); }
+
+  /// Whether a point lies in a place, or up to `margin` beyond; at most kMargin.
+  bool hold(const Vec3& p, float margin = 0) const;
+
+  /// The least factor of the places that hold a point; 1 where none does.
+  float factor_at(const Vec3& p) const;
+
+  /// Whether the input is to stay as it is in some of them.
+  bool any_fixed() const;
+
+  static constexpr float kMargin = 3;  ///< voxel lengths
+
+ private:
+  template <class Visit>
+  void for_each_near(const Vec3& p, const Visit& visit) const;
+
+  std::vector<CarefulPlace> places_;
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> cells_;  // cell, place; sorted
+};
+
+/// Balls round the points: one for each that no ball before it covers to half its radius.
+std::vector<CarefulPlace> places_at(std::span<const Vec3> points, float radius, float factor);
+
+}  // namespace vasamesh

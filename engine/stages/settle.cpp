@@ -1,0 +1,203 @@
+#include "stages/settle.h"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <iterator>
+#include <span>
+#include <utility>
+
+#include "stages/approach.h"
+#include "stages/distance.h"
+#include "stages/intersect.h"
+#include "stages/mesh_parts.h"
+#include "stages/patch_rules.h"
+#include "stages/places.h"
+#include "stages/remesh.h"
+#include "types/mesh_vertex.h"
+
+namespace vasamesh {
+
+namespace {
+
+constexpr float kFarShare = 0.93f;   // of the limit: what of marching cubes is too far
+constexpr float kMostShare = 0.97f;  // of the limit: what of the surface is too far from them
+constexpr float kNearShare = 0.85f;  // of the limit: how near the surface is brought
+constexpr float kStray = 0.4f;       // voxel lengths: of a vertex from the base surface, at most
+constexpr float kSpread = 2;         // voxel lengths beyond a place up to which its faults may move
+constexpr float kReach = 2;          // beyond the places of a try up to which its work is looked at
+constexpr float kCollar = 6;         // beyond that, of the surface that is cut out
+// Of the edges in the middle of a place, try by try, and how they grow from there out.
+constexpr float kFactors[] = {0.8f, 0.55f, 0.7f, 1, 0.8f, 0.6f, 0.35f, 0.6f, 1.3f, 0.25f, 0.8f, 1};
+constexpr std::size_t kChain = 3;         // tries
+constexpr std::size_t kMostPlaces = 256;  // that are mended; the worst come first
+constexpr float kGrowth[] = {1, 1.35f, 1.7f, 2.2f};
+
+/// What is wrong with a surface, and where.
+struct Faults {
+  std::vector<Vec3> meeting;  ///< where triangles meet that should not
+  std::vector<Vec3> far;      ///< points of either that are too far from the other
+  std::vector<Vec3> sharp;    ///< triangles with an angle below 10 degrees
+  std::vector<Vec3> poor;     ///< and those below 20 degrees
+
+  /// The worst first.
+  std::array<std::size_t, 4> counts() const {
+    return {meeting.size(), far.size(), sharp.size(), poor.size()};
+  }
+
+  /// Those in the places; all, if there are none.
+  std::vector<Vec3> within(const Places& places) const {
+    std::vector<Vec3> points;
+    for (const std::vector<Vec3>* some : {&meeting, &far, &sharp, &poor})
+      std::copy_if(some->begin(), some->end(), std::back_inserter(points),
+                   [&](const Vec3& p) { return places.empty() || places.hold(p); });
+    return points;
+  }
+};
+
+/// Finds the triangles with angles below 20 degrees.
+void find_poor_triangles(const TriangleMesh& mesh, Faults& faults) {
+  for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
+    const std::uint32_t* v = &mesh.triangles[3 * t];
+    const Vec3 a = vertex_at(mesh, v[0]), b = vertex_at(mesh, v[1]), c = vertex_at(mesh, v[2]);
+    const float sine = least_sine(squared_norm(b - a), squared_norm(c - b), squared_norm(a - c),
+                                  squared_norm(cross(b - a, c - a)));
+    if (sine < kSine20)
+      (sine < kSine10 ? faults.sharp : faults.poor).push_back((1.0f / 3) * ((a + b) + c));
+  }
+}
+
+/// The places and as much round each.
+Places wider(std::span<const CarefulPlace> places, float by) {
+  std::vector<CarefulPlace> wide(places.begin(), places.end());
+  for (CarefulPlace& place : wide) place.radius += by;
+  return Places(wide);
+}
+
+/// Places with the same factors in their middles, and longer edges from there out.
+std::vector<CarefulPlace> graded(std::span<const CarefulPlace> places) {
+  std::vector<CarefulPlace> balls;
+  for (const CarefulPlace& place : places)
+    for (std::size_t i = 0; i < std::size(kGrowth); ++i)
+      balls.push_back({place.centre, place.radius * static_cast<float>(i + 1) / std::size(kGrowth),
+                       std::max(place.factor, std::min(place.factor * kGrowth[i], 1.0f))});
+  return balls;
+}
+
+/// A byte a triangle: whether all its corners are in the places.
+std::vector<std::uint8_t> triangles_in(Backend& backend, const Places& places,
+                                       const TriangleMesh& mesh) {
+  constexpr std::size_t kBlock = 4096;
+  std::vector<std::uint8_t> vertices(mesh.vertex_count()), triangles(mesh.triangle_count());
+  backend.run((vertices.size() + kBlock - 1) / kBlock, [&](std::size_t block) {
+    for (std::size_t v = block * kBlock; v < std::min((block + 1) * kBlock, vertices.size()); ++v)
+      vertices[v] = places.hold(vertex_at(mesh, v));
+  });
+  for (std::size_t t = 0; t < triangles.size(); ++t)
+    triangles[t] = vertices[mesh.triangles[3 * t]] && vertices[mesh.triangles[3 * t + 1]] &&
+                   vertices[mesh.triangles[3 * t + 2]];
+  return triangles;
+}
+
+class Settling {
+ public:
+  Settling(Backend& backend, const FieldView& field, const SizeView& sizes, const Bounds& bounds)
+      : backend_(backend), field_(field), sizes_(sizes), bounds_(bounds) {}
+
+  /// The vertices near the places brought back to the base surface and to marching cubes, then the
+  /// surface there to all of marching cubes.
+  TriangleMesh approached(const TriangleMesh& solid, const Places& places,
+                          TriangleMesh mesh) const {
+    const float near = kNearShare * bounds_.limit;
+    mesh = bring_back(backend_, field_, sizes_, bounds_.base, bounds_.base_tree, kStray,
+                      std::move(mesh), places);
+    mesh = bring_back(backend_, field_, sizes_, bounds_.solid.common, bounds_.solid_tree, near,
+                      std::move(mesh), places);
+    const std::vector<Vec3> far =
+        points_beyond(backend_, near, solid, mesh, build_triangle_tree(backend_, mesh), places);
+    return approach(backend_, field_, sizes_, far, near, std::move(mesh));
+  }
+
+  /// \param solid  the segmentation's marching cubes, or what of it is near.
+  /// \param places  if any: where the mesh is new. \param known  points too far before.
+  Faults faults_of(const TriangleMesh& mesh, const TriangleMesh& solid, const Places& places,
+                   const std::vector<Vec3>& known) const {
+    Faults faults;
+    if (!places.empty())
+      std::copy_if(known.begin(), known.end(), std::back_inserter(faults.far),
+                   [&](const Vec3& p) { return !places.hold(p, Places::kMargin); });
+    const TriangleTree tree = build_triangle_tree(backend_, mesh);
+    for (const std::vector<Vec3>& found :
+         {points_beyond(backend_, kFarShare * bounds_.limit, solid, mesh, tree, places),
+          points_beyond(backend_, kMostShare * bounds_.limit, mesh, bounds_.solid.common,
+                        bounds_.solid_tree, places)})
+      faults.far.insert(faults.far.end(), found.begin(), found.end());
+    faults.meeting = centres_of(mesh, find_intersections(backend_, mesh, tree).pairs);
+    find_poor_triangles(mesh, faults);
+    return faults;
+  }
+
+  /// Tries to make a place better: chains of tries, each chain from the best so far.
+  void mend(const CarefulPlace& place, Settled& settled) const {
+    const std::span own(&place, 1);
+    const float reach = kSpread + place.radius + kReach;
+    const Places zone = wider(own, reach + kCollar), reached = wider(own, reach);
+    const std::vector<std::uint8_t> chosen = triangles_in(backend_, zone, settled.mesh);
+    const TriangleMesh solid =
+        part_of(bounds_.solid.all, triangles_in(backend_, zone, bounds_.solid.all));
+    TriangleMesh best = part_of(settled.mesh, chosen);
+    if (best.triangles.empty()) return;
+    Faults fewest = faults_of(best, solid, reached, {});
+    const auto at_first = fewest.counts();
+    TriangleMesh mesh;
+    Faults faults;
+    for (std::size_t i = 0; i < std::size(kFactors); ++i) {
+      if (i % kChain == 0) {
+        mesh = best;
+        faults = fewest;
+      }
+      const Places spots = i % kChain == 0 ? Places(own) : wider(own, kSpread);
+      const std::vector<CarefulPlace> places =
+          places_at(faults.within(spots), place.radius, kFactors[i]);
+      if (places.empty() && i % kChain == 0) break;
+      if (places.empty()) continue;
+      mesh = remesh_places(backend_, field_, sizes_, mesh, graded(places));
+      mesh = approached(solid, Places(places), std::move(mesh));
+      faults = faults_of(mesh, solid, reached, {});
+      if (faults.counts() >= fewest.counts()) continue;
+      best = mesh;
+      fewest = faults;
+    }
+    if (fewest.counts() == at_first) return;
+    settled.mesh = with_part(settled.mesh, chosen, best);
+    std::erase_if(settled.far, [&](const Vec3& p) { return reached.hold(p, Places::kMargin); });
+    settled.far.insert(settled.far.end(), fewest.far.begin(), fewest.far.end());
+  }
+
+ private:
+  Backend& backend_;
+  const FieldView& field_;
+  const SizeView& sizes_;
+  const Bounds& bounds_;
+};
+
+}  // namespace
+
+Settled settle(Backend& backend, const FieldView& field, const SizeView& sizes,
+               const Bounds& bounds, float radius, TriangleMesh mesh,
+               std::span<const CarefulPlace> within, const std::vector<Vec3>& far) {
+  if (mesh.triangles.empty()) return {std::move(mesh), {}};
+  const Settling settling(backend, field, sizes, bounds);
+  Settled settled;
+  settled.mesh = settling.approached(bounds.solid.all, Places(within), std::move(mesh));
+  const Faults faults =
+      settling.faults_of(settled.mesh, bounds.solid.all, wider(within, kReach), far);
+  settled.far = faults.far;
+  const std::vector<CarefulPlace> places = places_at(faults.within({}), radius, 1);
+  for (std::size_t i = 0; i < std::min(places.size(), kMostPlaces); ++i)
+    settling.mend(places[i], settled);
+  return settled;
+}
+
+}  // namespace vasamesh
