@@ -22,7 +22,8 @@ std::size_t block_size(std::size_t bytes) {
   return (bytes + step - 1) / step * step;
 }
 
-constexpr std::size_t kBlock = 16384;  // elements a task of the primitives takes
+constexpr std::size_t kBlock = 16384;                     // elements a task of the primitives takes
+constexpr std::size_t kCopyBytes = std::size_t{1} << 20;  // that a task of a copy takes
 
 }  // namespace
 
@@ -87,12 +88,20 @@ void TbbBackend::give_back_kept() {
   kept_.clear();
 }
 
+void TbbBackend::copy(void* to, const void* from, std::size_t bytes) {
+  for_each((bytes + kCopyBytes - 1) / kCopyBytes, 1, [=](std::size_t block) {
+    const std::size_t first = block * kCopyBytes;
+    std::memcpy(static_cast<std::byte*>(to) + first, static_cast<const std::byte*>(from) + first,
+                std::min(kCopyBytes, bytes - first));
+  });
+}
+
 void TbbBackend::write(void* handle, std::size_t offset, const void* from, std::size_t bytes) {
-  std::memcpy(static_cast<std::byte*>(handle) + offset, from, bytes);
+  copy(static_cast<std::byte*>(handle) + offset, from, bytes);
 }
 
 void TbbBackend::read(const void* handle, std::size_t offset, void* to, std::size_t bytes) {
-  std::memcpy(to, static_cast<const std::byte*>(handle) + offset, bytes);
+  copy(to, static_cast<const std::byte*>(handle) + offset, bytes);
 }
 
 void TbbBackend::run(std::size_t tasks, const std::function<void(std::size_t)>& task) {

@@ -117,24 +117,33 @@ std::uint32_t TbbBackend::relabel_sweep(const BrickView& bricks, View<const std:
                                         View<const float> values, float threshold,
                                         View<const std::uint32_t> nodes, View<std::uint8_t> state,
                                         View<std::uint32_t> left) {
-  std::atomic<std::uint32_t> flips{0};
-  for_each((nodes.size + kNodeGrain - 1) / kNodeGrain, 1, [&](std::size_t block) {
+  const std::size_t blocks = (nodes.size + kNodeGrain - 1) / kNodeGrain;
+  std::vector<std::uint32_t> kept(blocks + 1, 0);  // then the blocks' starts in `left`
+  std::atomic<bool> flipped{false};
+  for_each(blocks, 1, [&](std::size_t block) {
     const std::size_t end = std::min((block + 1) * kNodeGrain, nodes.size);
-    std::uint32_t flipped = 0;
+    bool flips = false;
     for (std::size_t i = block * kNodeGrain; i < end; ++i) {
       const std::size_t node = nodes[i];
-      if (std::fabs(values[node]) < threshold || !wrong(state[node], values[node])) continue;
-      if (!simple[link_labels(bricks, state.data(), node)]) continue;
+      if (!wrong(state[node], values[node])) continue;
+      if (std::fabs(values[node]) < threshold || !simple[link_labels(bricks, state.data(), node)]) {
+        ++kept[block + 1];
+        continue;
+      }
       state[node] ^= kLabel;
-      ++flipped;
+      flips = true;
     }
-    flips += flipped;
+    if (flips) flipped = true;
   });
-  if (flips == 0) return static_cast<std::uint32_t>(nodes.size);
-  const std::uint32_t* end =
-      std::copy_if(nodes.data(), nodes.data() + nodes.size, left.data(),
-                   [&](std::uint32_t node) { return wrong(state[node], values[node]); });
-  return static_cast<std::uint32_t>(end - left.data());
+  if (!flipped) return static_cast<std::uint32_t>(nodes.size);
+  for (std::size_t block = 0; block < blocks; ++block) kept[block + 1] += kept[block];
+  for_each(blocks, 1, [&](std::size_t block) {
+    const std::uint32_t* first = nodes.data() + block * kNodeGrain;
+    std::copy_if(first, std::min(first + kNodeGrain, nodes.data() + nodes.size),
+                 left.data() + kept[block],
+                 [&](std::uint32_t node) { return wrong(state[node], values[node]); });
+  });
+  return kept[blocks];
 }
 
 void TbbBackend::relabel_mark(View<const std::uint32_t> nodes, std::uint8_t mark,

@@ -150,6 +150,7 @@ class TbbBackend final : public Backend {
         [&] { tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, grain), run_range); });
   }
 
+  void copy(void* to, const void* from, std::size_t bytes);
   void give_back_kept();
 
   /// A kept block of that size, or a new one; null where there is no memory.
