@@ -30,8 +30,8 @@ constexpr float kReach = 2;          // beyond the places of a try up to which i
 constexpr float kCollar = 6;         // beyond that, of the surface that is cut out
 // Of the edges in the middle of a place, try by try, and how they grow from there out.
 constexpr float kFactors[] = {0.8f, 0.55f, 0.7f, 1, 0.8f, 0.6f, 0.35f, 0.6f, 1.3f, 0.25f, 0.8f, 1};
-constexpr std::size_t kChain = 3;         // tries
-constexpr std::size_t kMostPlaces = 256;  // that are mended; the worst come first
+constexpr std::size_t kChain = 3;                      // tries
+constexpr std::size_t kWork = 3, kLeastWork = 100000;  // of all tries: times the mesh's triangles
 constexpr float kGrowth[] = {1, 1.35f, 1.7f, 2.2f};
 
 /// What is wrong with a surface, and where.
@@ -139,7 +139,8 @@ class Settling {
   }
 
   /// Tries to make a place better: chains of tries, each chain from the best so far.
-  void mend(const CarefulPlace& place, Settled& settled) const {
+  /// \param work  triangles that may still be worked on; goes down by those that were.
+  void mend(const CarefulPlace& place, std::size_t& work, Settled& settled) const {
     const std::span own(&place, 1);
     const float reach = kSpread + place.radius + kReach;
     const Places zone = wider(own, reach + kCollar), reached = wider(own, reach);
@@ -162,6 +163,8 @@ class Settling {
           places_at(faults.within(spots), place.radius, kFactors[i]);
       if (places.empty() && i % kChain == 0) break;
       if (places.empty()) continue;
+      work -= std::min(work, mesh.triangle_count());
+      if (work == 0) break;
       mesh = remesh_places(backend_, field_, sizes_, mesh, graded(places));
       mesh = approached(solid, Places(places), std::move(mesh));
       faults = faults_of(mesh, solid, reached, {});
@@ -194,9 +197,11 @@ Settled settle(Backend& backend, const FieldView& field, const SizeView& sizes,
   const Faults faults =
       settling.faults_of(settled.mesh, bounds.solid.all, wider(within, kReach), far);
   settled.far = faults.far;
-  const std::vector<CarefulPlace> places = places_at(faults.within({}), radius, 1);
-  for (std::size_t i = 0; i < std::min(places.size(), kMostPlaces); ++i)
-    settling.mend(places[i], settled);
+  std::size_t work = kWork * settled.mesh.triangle_count() + kLeastWork;
+  for (const CarefulPlace& place : places_at(faults.within({}), radius, 1)) {
+    if (work == 0) break;
+    settling.mend(place, work, settled);
+  }
   return settled;
 }
 

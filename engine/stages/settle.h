@@ -38,7 +38,7 @@ struct Settled {
 ///        before, and left `far`.
 /// \return a surface of the same topology. Each place is as the best of several tries left it: with
 ///         the fewest triangles that meet, then the fewest points too far, then the fewest
-///         triangles with angles below 10 and below 20 degrees. Of hundreds of places the worst
+///         triangles with angles below 10 and below 20 degrees. Of very many places the worst
 ///         alone are tried.
 Settled settle(Backend& backend, const FieldView& field, const SizeView& sizes,
                const Bounds& bounds, float radius, TriangleMesh mesh,

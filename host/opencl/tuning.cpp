@@ -21,7 +21,7 @@ std::string key_of(int number) {
 
 std::vector<WorkShape> shapes_to_try() {
   std::vector<WorkShape> shapes;
-  for (const int brick : {1, 16, 32, 64})
+  for (const int brick : {1, 64})
     for (const int fold : {32, 64, 128, 256}) {
       WorkShape shape = brick == 1 ? kOneItemShape : kWorkGroupShape;
       shape.brick_items = brick;

@@ -22,8 +22,8 @@ struct WorkShape {
 inline constexpr WorkShape kOneItemShape{1, 1, 16384, 64, 1};
 inline constexpr WorkShape kWorkGroupShape{64, 128, 8, 64, 128};
 
-/// The shapes that are worth a trial on a device: an item a brick, or a group of 16 to 64; for
-/// each, groups of 32 to 256 items over elements.
+/// The shapes that are worth a trial on a device: an item a brick, or a group of 64 (kernels know
+/// no others); for each, groups of 32 to 256 items over elements.
 std::vector<WorkShape> shapes_to_try();
 
 /// What was found out about a device (host/tune.h).

@@ -17,6 +17,8 @@ TILE = (360, 300)  # pixels
 COLUMNS = 3
 COLOURS = 80
 CURVATURE_COLOURS = "turbo"
+VESSEL, EDGE = "#e2a58f", "#40201a"
+FRONT = np.array([0.0, -1.0, 0.0])  # from the surface to the eye
 AXES = (
     ("rms_curvature", "RMS curvature, 1/mm", "share of the area"),
     ("edge_ratio", "edge ratio", "share of the triangles"),
@@ -69,55 +71,55 @@ def tiles(names: list[str]) -> pyvista.Plotter:
     )
 
 
-def draw_curvature(surfaces: dict[str, SurfaceMap], limit: float, path: Path) -> None:
-    """The whole surfaces seen from the front, coloured by the RMS curvature from 0 to the limit."""
-    names = list(surfaces)
-    plotter = tiles(names)
-    for i, name in enumerate(names):
-        plotter.subplot(i // COLUMNS, i % COLUMNS)
-        plotter.add_text(name, font_size=9, color="black")
-        plotter.add_mesh(
-            poly_data(surfaces[name]),
-            clim=(0, limit),
-            cmap=CURVATURE_COLOURS,
-            show_scalar_bar=i == len(names) - 1,
-        )
-        plotter.view_vector((0, -1, 0), (0, 0, 1))
-        plotter.camera.zoom(1.35)
+def look(limit: float | None) -> dict[str, Any]:
+    """How a surface is drawn: by the RMS curvature from 0 to the limit, or with its edges."""
+    if limit is None:
+        return {"color": VESSEL, "show_edges": True, "edge_color": EDGE, "line_width": 1}
+    return {"clim": (0, limit), "cmap": CURVATURE_COLOURS}
+
+
+def save(plotter: pyvista.Plotter, path: Path) -> None:
     plotter.set_background("white", all_renderers=True)
     plotter.screenshot(path)
     plotter.close()
     reduce_colours(path)
+
+
+def draw_whole(surfaces: dict[str, SurfaceMap], limit: float, path: Path) -> None:
+    """The surfaces seen from the front, coloured."""
+    plotter = tiles(list(surfaces))
+    for i, (name, surface) in enumerate(surfaces.items()):
+        plotter.subplot(i // COLUMNS, i % COLUMNS)
+        plotter.add_text(name, font_size=9, color="black")
+        last = i == len(surfaces) - 1
+        plotter.add_mesh(poly_data(surface), show_scalar_bar=last, **look(limit))
+        plotter.view_vector(tuple(FRONT), (0, 0, 1))
+        plotter.camera.zoom(1.35)
+    save(plotter, path)
 
 
 def draw_close(
-    surfaces: dict[str, SurfaceMap], centre: np.ndarray, radius: float, path: Path, view: np.ndarray
+    surfaces: dict[str, SurfaceMap],
+    centre: np.ndarray,
+    radius: float,
+    limit: float | None,
+    path: Path,
 ) -> None:
     """The triangles of each surface in a ball."""
-    names = list(surfaces)
-    plotter = tiles(names)
-    for i, name in enumerate(names):
+    plotter = tiles(list(surfaces))
+    for i, (name, surface) in enumerate(surfaces.items()):
         plotter.subplot(i // COLUMNS, i % COLUMNS)
         plotter.add_text(name, font_size=9, color="black")
-        chosen = in_ball(surfaces[name], centre, radius)
+        chosen = in_ball(surface, centre, radius)
         if chosen.any():
-            plotter.add_mesh(
-                poly_data(surfaces[name], chosen),
-                color="#e2a58f",
-                show_edges=True,
-                edge_color="#40201a",
-                line_width=1,
-            )
+            plotter.add_mesh(poly_data(surface, chosen), show_scalar_bar=False, **look(limit))
         plotter.camera.focal_point = centre
-        plotter.camera.position = centre + 10 * radius * view
-        plotter.camera.up = np.eye(3)[np.argmin(np.abs(view))]
+        plotter.camera.position = centre + 10 * radius * FRONT
+        plotter.camera.up = (0, 0, 1)
         plotter.camera.parallel_projection = True
         plotter.camera.parallel_scale = 0.8 * radius
         plotter.reset_camera_clipping_range()
-    plotter.set_background("white", all_renderers=True)
-    plotter.screenshot(path)
-    plotter.close()
-    reduce_colours(path)
+    save(plotter, path)
 
 
 def draw_sweep(sweep: dict[str, Any], path: Path) -> None:

@@ -115,19 +115,19 @@ def draw_input(
     shares = {method: histograms(surface, limit) for method, surface in maps.items()}
     for method, row in rows.items():
         row["histograms"] = {"curvature_limit": limit, **shares[method]}
-    files = {"curvature": f"{name}_curvature.png", "histograms": f"{name}_histograms.png"}
-    pictures.draw_curvature(maps, limit, folder / files["curvature"])
+    files = {
+        kind: f"{name}_{kind}.png"
+        for kind in ("curvature", "histograms", "curvature_close", "close")
+    }
+    pictures.draw_whole(maps, limit, folder / files["curvature"])
     pictures.draw_histograms(shares, limit, folder / files["histograms"])
     place = found["anatomy"]
-    if place:
-        files["close"] = f"{name}_close.png"
-        pictures.draw_close(
-            maps,
-            np.array(place["place"]),
-            place["radius"],
-            folder / files["close"],
-            np.array([0.0, -1.0, 0.0]),
-        )
+    for kind, scale in (("curvature_close", limit), ("close", None)):
+        if not place:
+            del files[kind]
+            continue
+        centre = np.array(place["place"])
+        pictures.draw_close(maps, centre, place["radius"], scale, folder / files[kind])
     centre, radius = (place["place"], place["radius"]) if place else ([0, 0, 0], 1e9)
     return files, page.scene(maps, centre, radius, most, limit)
 

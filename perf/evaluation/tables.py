@@ -235,7 +235,8 @@ def input_sections(given: Content, pictures: dict[str, str]) -> list[Section]:
                 "histograms",
                 "RMS curvature over the area, edge ratio and least angle over triangles",
             ),
-            ("close", "A branching"),
+            ("curvature_close", "The same, round a branching"),
+            ("close", "The triangles there"),
         )
     }
     sections = [
@@ -258,7 +259,7 @@ def input_sections(given: Content, pictures: dict[str, str]) -> list[Section]:
             "Smoothness",
             3,
             table=figures(rows, SMOOTH),
-            pictures=shown["curvature"] + shown["histograms"],
+            pictures=shown["curvature"] + shown["curvature_close"] + shown["histograms"],
         ),
         Section("Triangle quality", 3, table=figures(rows, SHAPE), pictures=shown["close"]),
         Section(
