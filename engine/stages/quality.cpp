@@ -94,19 +94,23 @@ Distribution describe(std::vector<float>& values) {
   for (float value : values) sum += value;
   const double mean = sum / count;
   for (float value : values) squares += (value - mean) * (value - mean);
-  const auto percentile = [&](double share) {
-    const auto rank = static_cast<std::ptrdiff_t>(std::max(1.0, std::ceil(share * count))) - 1;
-    std::nth_element(values.begin(), values.begin() + rank, values.end());
-    return static_cast<double>(values[rank]);
+  const auto rank = [&](double share) {
+    return values.begin() + static_cast<std::ptrdiff_t>(std::max(1.0, std::ceil(share * count))) -
+           1;
   };
+  // The outer percentiles are sought on their own side of the median alone.
+  const auto low = rank(0.05), middle = rank(0.5), high = rank(0.95);
+  std::nth_element(values.begin(), middle, values.end());
   Distribution result;
+  result.median = *middle;
+  std::nth_element(values.begin(), low, middle);
+  result.percentile_5 = *low;
+  std::nth_element(middle, high, values.end());
+  result.percentile_95 = *high;
+  result.minimum = *std::min_element(values.begin(), low + 1);
+  result.maximum = *std::max_element(high, values.end());
   result.mean = mean;
   result.deviation = std::sqrt(squares / count);
-  result.minimum = *std::min_element(values.begin(), values.end());
-  result.percentile_5 = percentile(0.05);
-  result.median = percentile(0.5);
-  result.percentile_95 = percentile(0.95);
-  result.maximum = *std::max_element(values.begin(), values.end());
   return result;
 }
 
