@@ -32,17 +32,16 @@ class Centrelines:
 def skeleton_of(volume: np.ndarray, spacing: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Indices (n x 3) of the thinned object and the radii there, mm.
 
-    The distance is that to the nearest centre of background: just outside a thick vessel, half a
-    voxel outside a line of voxels. The largest one round a voxel is taken, since thinning leaves
-    the middle by up to a voxel.
+    The distance is that to the nearest centre of background: just outside a thick vessel, half the
+    smallest spacing outside a line of voxels. The largest one round a voxel is taken, since
+    thinning leaves the middle by up to a voxel.
     """
     padded = np.pad(volume, 1)
     depth = ndimage.distance_transform_edt(padded, sampling=spacing)
     depth = ndimage.maximum_filter(depth, size=3)
     indices = np.argwhere(skeletonize(padded))
     found = depth[tuple(indices.T)]
-    voxel = float(np.prod(spacing)) ** (1 / 3)
-    return indices - 1, found - 0.5 * voxel**2 / found
+    return indices - 1, found - 0.5 * float(spacing.min()) ** 2 / found
 
 
 def neighbour_graph(indices: np.ndarray, spacing: np.ndarray) -> sparse.csr_matrix:
