@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -41,6 +42,8 @@ TEST_F(Bench, EveryStageOnEveryNumberOfThreads) {
   const json table = bench({"--backends", "tbb", "--threads", "1,2"});
   EXPECT_GT(table["object_voxels"], 200);
   ASSERT_EQ(table["runs"].size(), 2u);
+  // What the making of the adaptive surface must move depends on the surface.
+  const std::set<std::string> uncounted = {"sizes", "remesh", "expand", "stitch", "finish"};
   for (const json& run : table["runs"]) {
     std::vector<std::string> names;
     double seconds = 0;
@@ -49,10 +52,13 @@ TEST_F(Bench, EveryStageOnEveryNumberOfThreads) {
       seconds += stage["seconds"].get<double>();
       EXPECT_EQ(stage["backend"], "tbb");
       EXPECT_EQ(stage["agrees"], true) << stage;
-      EXPECT_GT(stage["bytes"], 0) << stage;
+      if (!uncounted.contains(stage["name"])) {
+        EXPECT_GT(stage["bytes"], 0) << stage;
+      }
     }
-    EXPECT_THAT(names, ElementsAre("input", "points", "normals", "octree", "poisson", "topology",
-                                   "surface", "check", "quality"));
+    EXPECT_THAT(
+        names, ElementsAre("input", "points", "normals", "octree", "poisson", "topology", "surface",
+                           "sizes", "remesh", "expand", "stitch", "finish", "check", "quality"));
     EXPECT_NEAR(seconds, run["seconds"].get<double>(), 1e-6 + 1e-3 * seconds);
     EXPECT_GT(run["bandwidth"], 1e8);
     EXPECT_GT(run["arithmetic"], 1e8);
