@@ -16,23 +16,23 @@
 namespace vasamesh {
 namespace {
 
-using Vec3 = std::array<double, 3>;
+using Vector = std::array<double, 3>;
 
 constexpr int kTubes = 6;
 constexpr double kHalfLength = 25;  // voxels
 constexpr double kRadii[] = {0.7, 1, 2.5, 5};
 
-double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+double dot(const Vector& a, const Vector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 /// A straight tube with round ends. Lengths in voxels (geometric mean of the spacings), from the
 /// volume's corner.
 struct Tube {
-  Vec3 centre, direction;
+  Vector centre, direction;
   double radius;
 
   /// From the nearest point of the axis to p.
-  Vec3 from_axis(const Vec3& p) const {
-    Vec3 q{p[0] - centre[0], p[1] - centre[1], p[2] - centre[2]};
+  Vector from_axis(const Vector& p) const {
+    Vector q{p[0] - centre[0], p[1] - centre[1], p[2] - centre[2]};
     const double t = std::clamp(dot(q, direction), -kHalfLength, kHalfLength);
     for (std::size_t a = 0; a < 3; ++a) q[a] -= t * direction[a];
     return q;
@@ -45,7 +45,7 @@ struct Segmented {
   std::vector<std::uint8_t> voxels;
 };
 
-Segmented make_tube(double radius, const Vec3& spacing, unsigned seed) {
+Segmented make_tube(double radius, const Vector& spacing, unsigned seed) {
   std::mt19937 random(seed);
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> shift(-0.5, 0.5);
@@ -63,9 +63,9 @@ Segmented make_tube(double radius, const Vec3& spacing, unsigned seed) {
   for (std::int64_t z = 0; z < size[2]; ++z)
     for (std::int64_t y = 0; y < size[1]; ++y)
       for (std::int64_t x = 0; x < size[0]; ++x) {
-        const Vec3 away = made.tube.from_axis({(static_cast<double>(x) + 0.5) * scale[0],
-                                               (static_cast<double>(y) + 0.5) * scale[1],
-                                               (static_cast<double>(z) + 0.5) * scale[2]});
+        const Vector away = made.tube.from_axis({(static_cast<double>(x) + 0.5) * scale[0],
+                                                 (static_cast<double>(y) + 0.5) * scale[1],
+                                                 (static_cast<double>(z) + 0.5) * scale[2]});
         made.voxels.push_back(dot(away, away) <= radius * radius);
       }
   return made;
@@ -83,18 +83,18 @@ void append_angles(Backend& backend, const Segmented& made, NormalMode mode,
   estimate_normals(backend, object, scale, parameters, points);
   const PointView view = points.view();
   for (std::size_t i = 0; i < view.count; ++i) {
-    Vec3 p, n;
+    Vector p, n;
     for (std::size_t a = 0; a < 3; ++a) {
       p[a] = (static_cast<double>(view.position[a][i]) - kPad) * scale[a];
       n[a] = view.normal[a][i];
     }
-    const Vec3 exact = made.tube.from_axis(p);
+    const Vector exact = made.tube.from_axis(p);
     const double cosine = dot(n, exact) / std::sqrt(dot(n, n) * dot(exact, exact));
     angles.push_back(std::acos(std::clamp(cosine, -1.0, 1.0)) * 180 / std::acos(-1.0));
   }
 }
 
-void print_row(Backend& backend, double radius, const Vec3& spacing, NormalMode mode) {
+void print_row(Backend& backend, double radius, const Vector& spacing, NormalMode mode) {
   std::vector<double> angles;
   for (unsigned seed = 1; seed <= kTubes; ++seed)
     append_angles(backend, make_tube(radius, spacing, seed), mode, angles);
@@ -124,6 +124,6 @@ int main() {
       "| mode | spacing | radius, voxels | points | mean | 95th percentile | largest | flipped |\n"
       "|---|---|---|---|---|---|---|---|\n");
   for (const NormalMode mode : {NormalMode::covariance, NormalMode::gradient})
-    for (const Vec3& spacing : {Vec3{1, 1, 1}, Vec3{0.51, 0.51, 0.8}})
+    for (const Vector& spacing : {Vector{1, 1, 1}, Vector{0.51, 0.51, 0.8}})
       for (const double radius : kRadii) print_row(*backend, radius, spacing, mode);
 }
