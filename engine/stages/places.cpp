@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "types/mesh_vertex.h"
+
 namespace vasamesh {
 
 namespace {
@@ -61,6 +63,23 @@ float Places::factor_at(const Vec3& p) const {
 bool Places::any_fixed() const {
   return std::any_of(places_.begin(), places_.end(),
                      [](const CarefulPlace& place) { return place.factor == 0; });
+}
+
+Places wider(std::span<const CarefulPlace> places, float by) {
+  std::vector<CarefulPlace> wide(places.begin(), places.end());
+  for (CarefulPlace& place : wide) place.radius += by;
+  return Places(wide);
+}
+
+std::vector<std::uint8_t> vertices_in(Backend& backend, const Places& places,
+                                      const TriangleMesh& mesh) {
+  constexpr std::size_t kBlock = 4096;
+  std::vector<std::uint8_t> within(mesh.vertex_count());
+  backend.run((within.size() + kBlock - 1) / kBlock, [&](std::size_t block) {
+    for (std::size_t v = block * kBlock; v < std::min((block + 1) * kBlock, within.size()); ++v)
+      within[v] = places.hold(vertex_at(mesh, v));
+  });
+  return within;
 }
 
 std::vector<CarefulPlace> places_at(std::span<const Vec3> points, float radius, float factor) {

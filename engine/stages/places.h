@@ -8,8 +8,10 @@
 #include <utility>
 #include <vector>
 
+#include "backend/backend.h"
 #include "types/sizes.h"
 #include "types/vec3.h"
+#include "vasamesh/types.h"
 
 namespace vasamesh {
 
@@ -38,6 +40,13 @@ class Places {
   std::vector<CarefulPlace> places_;
   std::vector<std::pair<std::uint64_t, std::uint32_t>> cells_;  // cell, place; sorted
 };
+
+/// The places and as much round each, voxel lengths.
+Places wider(std::span<const CarefulPlace> places, float by);
+
+/// A byte a vertex: whether it lies in the places.
+std::vector<std::uint8_t> vertices_in(Backend& backend, const Places& places,
+                                      const TriangleMesh& mesh);
 
 /// Balls round the points: one for each that no ball before it covers to half its radius.
 std::vector<CarefulPlace> places_at(std::span<const Vec3> points, float radius, float factor);

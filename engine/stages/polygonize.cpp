@@ -14,6 +14,7 @@
 #include "stages/lattice.h"
 #include "stages/mesh_parts.h"
 #include "stages/pinches.h"
+#include "stages/places.h"
 #include "stages/remesh.h"
 #include "stages/settle.h"
 #include "stages/stitch.h"
@@ -53,22 +54,6 @@ SizeRule scaled(SizeRule rule, float factor) {
   rule.edge_min *= factor;
   rule.edge_max *= factor;
   return rule;
-}
-
-/// One byte a vertex: whether it lies in one of the places, or up to `margin` beyond.
-std::vector<std::uint8_t> vertices_within(Backend& backend, const TriangleMesh& mesh,
-                                          std::span<const CarefulPlace> places, float margin) {
-  constexpr std::size_t kBlock = 4096;
-  std::vector<std::uint8_t> within(mesh.vertex_count());
-  backend.run((within.size() + kBlock - 1) / kBlock, [&](std::size_t block) {
-    const std::size_t end = std::min((block + 1) * kBlock, within.size());
-    for (std::size_t v = block * kBlock; v < end; ++v) {
-      const Vec3 p = vertex_at(mesh, static_cast<std::uint32_t>(v));
-      within[v] = std::any_of(places.begin(), places.end(),
-                              [&](const CarefulPlace& place) { return place.holds(p, margin); });
-    }
-  });
-  return within;
 }
 
 std::vector<CarefulPlace> where_base_stays(std::span<const CarefulPlace> places) {
@@ -189,16 +174,14 @@ float Polygonizer::place_radius() const {
 void Polygonizer::note(const std::vector<Vec3>& defects, std::span<const float> factors) {
   first_fresh_ = places_.size();
   const float radius = place_radius();
-  const auto covers = [&](const CarefulPlace& place, const Vec3& p) {
-    return squared_norm(p - place.centre) < 0.25f * (radius * radius);
-  };
-  for (const Vec3& p : defects) {
-    const auto first_new = places_.begin() + static_cast<std::ptrdiff_t>(first_fresh_);
-    if (std::any_of(first_new, places_.end(), [&](const auto& q) { return covers(q, p); }))
-      continue;
+  for (CarefulPlace& place : places_at(defects, radius, 1)) {
     const auto failures = static_cast<std::size_t>(
-        std::count_if(places_.begin(), first_new, [&](const auto& q) { return covers(q, p); }));
-    places_.push_back({p, radius, factors[std::min(failures, factors.size() - 1)]});
+        std::count_if(places_.begin(), places_.begin() + static_cast<std::ptrdiff_t>(first_fresh_),
+                      [&](const CarefulPlace& old) {
+                        return squared_norm(place.centre - old.centre) < 0.25f * (radius * radius);
+                      }));
+    place.factor = factors[std::min(failures, factors.size() - 1)];
+    places_.push_back(place);
   }
 }
 
@@ -259,9 +242,9 @@ TriangleMesh Polygonizer::redone() {
   apply_rule(backend_, field_, base_, rule_, places_, sizes_);
   const std::span<const CarefulPlace> fresh = std::span(places_).subspan(first_fresh_);
   const float margin = kMargin * longest_edge();
-  std::vector<std::uint8_t> within = vertices_within(backend_, base_, fresh, 0);
+  std::vector<std::uint8_t> within = vertices_in(backend_, Places(fresh), base_);
   const TriangleMesh part = part_of(base_, choose_triangles(backend_, base_, within));
-  const std::vector<std::uint8_t> near = vertices_within(backend_, last_, fresh, margin);
+  const std::vector<std::uint8_t> near = vertices_in(backend_, wider(fresh, margin), last_);
   std::vector<std::uint8_t> kept(last_.triangle_count());
   for (std::size_t t = 0; t < kept.size(); ++t) {
     const std::uint32_t* v = &last_.triangles[3 * t];

@@ -68,13 +68,6 @@ void find_poor_triangles(const TriangleMesh& mesh, Faults& faults) {
   }
 }
 
-/// The places and as much round each.
-Places wider(std::span<const CarefulPlace> places, float by) {
-  std::vector<CarefulPlace> wide(places.begin(), places.end());
-  for (CarefulPlace& place : wide) place.radius += by;
-  return Places(wide);
-}
-
 /// Places with the same factors in their middles, and longer edges from there out.
 std::vector<CarefulPlace> graded(std::span<const CarefulPlace> places) {
   std::vector<CarefulPlace> balls;
@@ -88,12 +81,8 @@ std::vector<CarefulPlace> graded(std::span<const CarefulPlace> places) {
 /// A byte a triangle: whether all its corners are in the places.
 std::vector<std::uint8_t> triangles_in(Backend& backend, const Places& places,
                                        const TriangleMesh& mesh) {
-  constexpr std::size_t kBlock = 4096;
-  std::vector<std::uint8_t> vertices(mesh.vertex_count()), triangles(mesh.triangle_count());
-  backend.run((vertices.size() + kBlock - 1) / kBlock, [&](std::size_t block) {
-    for (std::size_t v = block * kBlock; v < std::min((block + 1) * kBlock, vertices.size()); ++v)
-      vertices[v] = places.hold(vertex_at(mesh, v));
-  });
+  const std::vector<std::uint8_t> vertices = vertices_in(backend, places, mesh);
+  std::vector<std::uint8_t> triangles(mesh.triangle_count());
   for (std::size_t t = 0; t < triangles.size(); ++t)
     triangles[t] = vertices[mesh.triangles[3 * t]] && vertices[mesh.triangles[3 * t + 1]] &&
                    vertices[mesh.triangles[3 * t + 2]];
