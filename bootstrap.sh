@@ -16,7 +16,7 @@ libraries=(libinsighttoolkit5-dev libvtk9-dev libtbb-dev ocl-icd-opencl-dev open
   pocl-opencl-icd libeigen3-dev libnanoflann-dev libcli11-dev libfmt-dev libspdlog-dev
   nlohmann-json3-dev libcgal-dev zlib1g-dev)
 for_tests=(libgtest-dev libgmock-dev libbenchmark-dev)
-for_pictures=(xvfb xauth libgl1-mesa-dri)
+for_pictures=(xvfb libgl1-mesa-dri)
 packages=("${tools[@]}" "${libraries[@]}" "${for_tests[@]}" "${for_pictures[@]}")
 
 usage() {
@@ -84,11 +84,16 @@ build() {
   cmake --build --preset release -j "$(jobs)"
 }
 
-# Runs ctest and repeats, at the very end, its verdict and its time.
+# Runs ctest and repeats, at the very end, what failed, the verdict and the time. What fails is run
+# once more, alone, so that its output stands at the end; the verdict is that of the first run.
 run_tests() {
   local log=$build/ctest.log code=0 skipped
   ctest --test-dir "$build" --no-tests=error --output-on-failure -j "$(nproc)" 2>&1 | tee "$log" ||
     code=${PIPESTATUS[0]}
+  if ((code != 0)); then
+    ctest --test-dir "$build" --rerun-failed --output-on-failure 2>&1 |
+      sed 's/^/once more: /' || true
+  fi
   skipped=$(grep -c '\*\*\*Skipped' "$log" || true)
   printf '\n%s tests skipped\n' "$skipped"
   grep -E '^[0-9]+% tests passed|^Total Test time' "$log" || true

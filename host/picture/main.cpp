@@ -1,15 +1,13 @@
 /// \file
-/// vasamesh_picture: a picture of a surface file. Without an X display it starts itself again
-/// under xvfb-run (Debian: xvfb, xauth, libgl1-mesa-dri).
+/// vasamesh_picture: a picture of a surface file. Without an X display it starts an Xvfb
+/// (Debian: xvfb, libgl1-mesa-dri).
 
-#include <unistd.h>
 #include <vtkObject.h>
 
 #include <CLI/CLI.hpp>
+#include <array>
 #include <cstdio>
-#include <cstdlib>
 #include <string>
-#include <vector>
 
 #include "picture/display.h"
 #include "picture/scene.h"
@@ -20,28 +18,6 @@ namespace {
 using vasamesh::Error;
 using vasamesh::ErrorCode;
 
-/// Set in the environment of the process that xvfb-run starts.
-constexpr const char* kStarted = "VASAMESH_PICTURE_IN_XVFB";
-
-/// Replaces this process by the same command inside a virtual X display; returns only on failure.
-void start_in_virtual_display(char** argv) {
-  std::string xvfb = "xvfb-run", any = "-a", screen_option = "-s", screen = "-screen 0 640x480x24";
-  std::vector<char*> command = {xvfb.data(), any.data(), screen_option.data(), screen.data()};
-  for (char** arg = argv; *arg; ++arg) command.push_back(*arg);
-  command.push_back(nullptr);
-  execvp(command[0], command.data());
-}
-
-void need_display(char** argv) {
-  if (vasamesh::has_display()) return;
-  if (!std::getenv(kStarted)) {
-    setenv(kStarted, "1", 1);
-    start_in_virtual_display(argv);
-  }
-  throw Error(ErrorCode::no_device,
-              "DISPLAY: no X display, and xvfb-run gave none; install xvfb and xauth");
-}
-
 std::array<int, 2> parse_size(const std::string& text) {
   std::array<int, 2> size{};
   char rest = 0;
@@ -51,12 +27,12 @@ std::array<int, 2> parse_size(const std::string& text) {
   return size;
 }
 
-void run(const vasamesh::PictureOptions& options, char** argv) {
+void run(const vasamesh::PictureOptions& options) {
   if (options.view == std::array<double, 3>{0, 0, 0})
     throw Error(ErrorCode::usage, "--view 0 0 0: no direction; give one, as 0 -1 0");
   if (options.zoom && !((*options.zoom)[3] > 0))
     throw Error(ErrorCode::usage, "--zoom-to: the radius must be above zero, in mm");
-  need_display(argv);
+  const vasamesh::OwnDisplay display;
   vtkObject::GlobalWarningDisplayOff();
   vasamesh::render_picture(options);
 }
@@ -80,7 +56,7 @@ int main(int argc, char** argv) {
     app.parse(argc, argv);
     options.size = parse_size(size);
     if (zoom_option->count() > 0) options.zoom = zoom;
-    run(options, argv);
+    run(options);
     return 0;
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : static_cast<int>(ErrorCode::usage);
