@@ -192,6 +192,51 @@ TEST_F(PatchPasses, AMoveIntoAnotherSheetIsRefused) {
   EXPECT_EQ(patch.points[0].position.z, 8.05f);
 }
 
+float least_sine_in(const PatchMesh& patch) {
+  float least = 1;
+  for (std::uint32_t h = 0; h < patch.half_edge_end(); h += 4)
+    if (patch.is_edge(h))
+      least =
+          std::min(least, least_sine(patch.points[patch.origin(h)], patch.points[patch.target(h)],
+                                     patch.points[patch.apex(h)]));
+  return least;
+}
+
+TEST_F(PatchPasses, SmallAnglesGetWiderWhateverTheTrianglesFace) {
+  for (const float up : {1.0f, -1.0f}) {
+    PatchMesh patch = wheel(7, {8.85f, 8, kHeight}, 1, 1);
+    for (SurfacePoint& point : patch.points) point.normal = {0, 0, up};
+    ASSERT_LT(least_sine_in(patch), kSine20);
+    widen_angles(patch, 4);
+    EXPECT_GE(least_sine_in(patch), kSine20);
+  }
+}
+
+TEST_F(PatchPasses, ATurnedEdgeMayFoldNoTriangle) {
+  // Turning the edge between the first two would lay one triangle over the other.
+  const std::vector<Vec3> places = {{8, 8, 8}, {10, 8, 8}, {10.4f, 8.3f, 8}, {10.4f, 7.7f, 8}};
+  PatchMesh patch = flat_patch(places, {0, 1, 2, 1, 0, 3}, 1, {0, 0, 0, 0});
+  ASSERT_LT(least_sine_in(patch), kSine20);
+  widen_angles(patch, 4);
+  EXPECT_EQ(patch.origin(0), 0u);
+  EXPECT_EQ(patch.target(0), 1u);
+}
+
+TEST_F(PatchPasses, AnEdgeTurnsOnlyWhereItMeetsNothing) {
+  // A tent over (0, 1), and a triangle through the place of the edge (2, 3) below it.
+  std::vector<Vec3> places = {{7, 8, 8.5f}, {9, 8, 8.5f}, {8, 9, 8}, {8, 7, 8}};
+  std::vector<std::uint32_t> corners = {0, 1, 2, 1, 0, 3};
+  PatchMesh clear = flat_patch(places, corners, 1);
+  Clearance above(clear);
+  EXPECT_TRUE(above.flip_if_clear(clear, 0));
+  places.insert(places.end(), {{7.9f, 8, 7.5f}, {8.1f, 8, 7.5f}, {8, 8, 8.3f}});
+  corners.insert(corners.end(), {4, 5, 6});
+  PatchMesh blocked = flat_patch(places, corners, 1);
+  Clearance clearance(blocked);
+  EXPECT_FALSE(clearance.flip_if_clear(blocked, 0));
+  EXPECT_EQ(blocked.target(0), 1u);
+}
+
 /// A polyhedron of equal triangles with its vertices on a sphere about (8, 8, 8).
 PatchMesh ball(const TriangleMesh& mesh, float size) {
   std::vector<SurfacePoint> points;

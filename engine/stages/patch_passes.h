@@ -68,6 +68,11 @@ void fit(PatchMesh& mesh, const RemeshGoal& goal, int passes);
 /// time, and tried again. \return triangles that stay below.
 std::uint32_t repair(PatchMesh& mesh, const RemeshGoal& goal, float wanted, int passes);
 
+/// Flips and moves round the triangles with an angle below 20 degrees, whatever they face: for what
+/// is crumpled at the scale of its edges, where the function's normals are of no use. No triangle
+/// turns by 90 degrees or more at a time, or comes to meet another.
+void widen_angles(PatchMesh& mesh, int passes);
+
 /// Gives a point the field's normal and on_field, or on_field = false and the normal that it has:
 /// where the zero set is too far, its gradient too small, or its normal too far from the point's.
 void take_normal(const FieldView& field, SurfacePoint& point);
