@@ -187,6 +187,7 @@ TEST_F(OpenClDevices, IndexOutOfRange) {
 TEST_F(OpenClDevices, MeshAndProofStayOnTheHost) {
   const auto backend = make_opencl_backend({});
   EXPECT_TRUE(backend->offers(Stage::sizing));
+  EXPECT_TRUE(backend->offers(Stage::stitch));
   EXPECT_FALSE(backend->offers(Stage::mesh));
   EXPECT_FALSE(backend->offers(Stage::verify));
 }

@@ -20,18 +20,20 @@
 #include "backend/buffer.h"
 #include "backend/byte_account.h"
 #include "types/bricks.h"
+#include "types/gaps.h"
 #include "types/indicator_field.h"
 #include "types/lattice.h"
 #include "types/octree.h"
 #include "types/point_cloud.h"
 #include "types/vec3.h"
 #include "types/volume.h"
+#include "vasamesh/parameters.h"
 #include "vasamesh/types.h"
 
 namespace vasamesh {
 
 /// The stages that a backend may offer.
-enum class Stage { points, normals, octree, poisson, lattice, surface, sizing, mesh, verify };
+enum class Stage { points, normals, octree, poisson, lattice, surface, sizing, stitch, mesh, verify };
 
 /// What a device was given to do, and what was copied to and from it.
 struct Traffic {
@@ -334,6 +336,14 @@ class Backend : public Memory {
   /// within half a voxel length the position stays, and normal and radius are zero.
   virtual void sizing_measure(const FieldView& field, View<Vec3> positions, View<Vec3> normals,
                               View<float> radii) = 0;
+
+  // --- Gaps (engine/stages/triangulate_gap.h). ---------------------------------------------------
+
+  /// Triangulates each gap by itself (GapTriangulator): closed[g] = 1 where a triangulation obeys
+  /// the rules, else 0; its n - 2 triangles, three corners of the gap each, go to triangles[3 t],
+  /// t = first[g] - 2 g and on. Those of gaps that stay open are undefined.
+  virtual void stitch_triangulate(const GapRules& rules, StitchMode mode, const GapView& gaps,
+                                  View<std::uint8_t> closed, View<std::uint16_t> triangles) = 0;
 
  private:
   /// on_host() for a whole allocation, which the host may write when `writes`.

@@ -272,9 +272,10 @@ TriangleMesh Polygonizer::front_over(const TriangleMesh& patches) {
   report_.front_triangles +=
       static_cast<std::int64_t>(front.mesh.triangle_count() - patches.triangle_count());
 
-  scheduler_.begin("stitch", Stage::mesh);
+  scheduler_.begin("stitch", Stage::stitch);
+  Backend& stitching = scheduler_.backend_for(Stage::stitch);
   const StitchReport stitched =
-      stitch_gaps(backend_, field_.view(), sizes_.view(field_), stitch_, front.loops, front.mesh);
+      stitch_gaps(stitching, field_.view(), sizes_.view(field_), stitch_, front.loops, front.mesh);
   report_.gaps += stitched.loops;
   report_.gap_triangles +=
       static_cast<std::int64_t>(front.mesh.triangle_count() - stitched.first_triangle);

@@ -37,7 +37,7 @@ class OpenClBackend final : public Backend {
   std::string name() const override { return "opencl"; }
   std::string device() const override { return device_name_; }
   bool offers(Stage stage) const override {
-    return stage <= Stage::sizing && (stages_ & bit_of(stage));
+    return stage < Stage::mesh && (stages_ & bit_of(stage));
   }
   std::size_t memory() const override { return global_memory_; }
   std::size_t bytes_held() const override { return account_.held(); }
@@ -148,6 +148,8 @@ class OpenClBackend final : public Backend {
                     View<std::uint32_t> triangles) override;
   void sizing_measure(const FieldView& field, View<Vec3> positions, View<Vec3> normals,
                       View<float> radii) override;
+  void stitch_triangulate(const GapRules& rules, StitchMode mode, const GapView& gaps,
+                          View<std::uint8_t> closed, View<std::uint16_t> triangles) override;
 
  private:
   void bring_to_host(void* handle, bool writes) override { memory_->bring_to_host(handle, writes); }
@@ -190,6 +192,14 @@ class OpenClBackend final : public Backend {
   template <class T, std::size_t n>
   void set(cl::Kernel& kernel, cl_uint& index, const std::array<View<T>, n>& views) {
     for (const View<T>& view : views) set(kernel, index, view);
+  }
+  /// FIELD_VIEW of kernels/field.cl.
+  void set(cl::Kernel& kernel, cl_uint& index, const FieldView& field) {
+    const Scale& inverse = field.inverse_step;
+    set(kernel, index, cl_int4{{field.grid[0], field.grid[1], field.grid[2], 0}});
+    set(kernel, index, cl_float4{{inverse[0], inverse[1], inverse[2], 0}});
+    set(kernel, index, field.brick_at);
+    set(kernel, index, field.coefficients);
   }
   template <class T>
   void set(cl::Kernel& kernel, cl_uint& index, const T& value) {

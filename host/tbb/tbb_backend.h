@@ -131,6 +131,8 @@ class TbbBackend final : public Backend {
                     View<std::uint32_t> triangles) override;
   void sizing_measure(const FieldView& field, View<Vec3> positions, View<Vec3> normals,
                       View<float> radii) override;
+  void stitch_triangulate(const GapRules& rules, StitchMode mode, const GapView& gaps,
+                          View<std::uint8_t> closed, View<std::uint16_t> triangles) override;
 
  private:
   /// body(i) for i in 0 .. count - 1, in pieces of `grain`, on the arena's workers; a checkpoint
