@@ -7,10 +7,13 @@
 
 #include <array>
 #include <cmath>
+#include <memory>
 
 #include "stages/patch_clearance.h"
 #include "stages/patch_rules.h"
+#include "stages/relax.h"
 #include "support/analytic_field.h"
+#include "tbb/backend.h"
 
 namespace vasamesh::test {
 namespace {
@@ -46,7 +49,19 @@ class PatchPasses : public ::testing::Test {
   RemeshGoal goal(float size) {
     return {field_.view(), field_.sizes(size / RemeshGoal::kLengthFactor), nullptr, false};
   }
+  void smooth(PatchMesh& patch, int passes) {
+    const RemeshGoal wanted = goal(1);
+    Relaxer(*backend_, wanted).smooth(std::array{&patch}, passes);
+  }
+  void equalise(PatchMesh& patch, int passes) {
+    const RemeshGoal wanted = goal(1);
+    Relaxer(*backend_, wanted).equalise(std::array{&patch}, passes);
+  }
+
   AnalyticField field_ = plane_field(16, kHeight);
+
+ private:
+  std::shared_ptr<Backend> backend_ = make_tbb_backend(1, nullptr);
 };
 
 std::size_t triangles(const PatchMesh& patch) {
@@ -129,7 +144,7 @@ TEST_F(PatchPasses, AFlipThatTurnsATriangleIsRefused) {
 
 TEST_F(PatchPasses, SmoothingCentresAVertex) {
   PatchMesh patch = wheel(6, {8.3f, 8.2f, kHeight}, 1, 1);
-  smooth(patch, goal(1), 6);
+  smooth(patch, 6);
   EXPECT_NEAR(patch.points[0].position.x, 8, 0.05);
   EXPECT_NEAR(patch.points[0].position.y, 8, 0.05);
   EXPECT_NEAR(patch.points[0].position.z, kHeight, 1e-3);
@@ -139,14 +154,14 @@ TEST_F(PatchPasses, SmoothingMovesABorderAlongItself) {
   // The middle of the lower side of a strip, off its place both along the side and across it.
   PatchMesh patch = flat_patch({{7, 8, 8}, {8.3f, 8.1f, 8}, {9, 8, 8}, {7.5f, 9, 8}, {8.5f, 9, 8}},
                                {0, 1, 3, 1, 4, 3, 1, 2, 4}, 1, {0, 1, 0, 0, 0});
-  smooth(patch, goal(1), 1);
+  smooth(patch, 1);
   EXPECT_NEAR(patch.points[1].position.x, 8.15f, 0.01f);
   EXPECT_NEAR(patch.points[1].position.y, 8.05f, 0.01f);
 }
 
 TEST_F(PatchPasses, EqualiseRaisesTheLeastEdgeRatio) {
   PatchMesh patch = wheel(6, {8.25f, 8, kHeight}, 1, 1);
-  equalise(patch, goal(1), 8);
+  equalise(patch, 8);
   float least = 1;
   patch.for_each_out(0, [&](std::uint32_t h) {
     const float l = norm(patch.points[patch.target(h)].position - patch.points[0].position);

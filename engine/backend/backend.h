@@ -20,11 +20,13 @@
 #include "backend/buffer.h"
 #include "backend/byte_account.h"
 #include "types/bricks.h"
+#include "types/fans.h"
 #include "types/gaps.h"
 #include "types/indicator_field.h"
 #include "types/lattice.h"
 #include "types/octree.h"
 #include "types/point_cloud.h"
+#include "types/sizes.h"
 #include "types/vec3.h"
 #include "types/volume.h"
 #include "vasamesh/parameters.h"
@@ -33,7 +35,19 @@
 namespace vasamesh {
 
 /// The stages that a backend may offer.
-enum class Stage { points, normals, octree, poisson, lattice, surface, sizing, stitch, mesh, verify };
+enum class Stage {
+  points,
+  normals,
+  octree,
+  poisson,
+  lattice,
+  surface,
+  sizing,
+  stitch,
+  relax,
+  mesh,
+  verify
+};
 
 /// What a device was given to do, and what was copied to and from it.
 struct Traffic {
@@ -344,6 +358,19 @@ class Backend : public Memory {
   /// t = first[g] - 2 g and on. Those of gaps that stay open are undefined.
   virtual void stitch_triangulate(const GapRules& rules, StitchMode mode, const GapView& gaps,
                                   View<std::uint8_t> closed, View<std::uint16_t> triangles) = 0;
+
+  // --- Relaxation (engine/stages/fan_moves.h).
+  // ----------------------------------------------------
+
+  /// Smooths the vertices of each part, level by level, `passes` times (smooth_vertex). All lie on
+  /// the field.
+  virtual void relax_smooth(const FieldView& field, const SizeView& sizes, const PlaceView& places,
+                            const FanView& fans, int passes, View<SurfacePoint> points) = 0;
+
+  /// Moves those vertices towards equal edges (find_more_equal), likewise. None is on a border.
+  virtual void relax_equalise(const FieldView& field, const SizeView& sizes,
+                              const PlaceView& places, const FanView& fans, int passes,
+                              View<SurfacePoint> points) = 0;
 
  private:
   /// on_host() for a whole allocation, which the host may write when `writes`.

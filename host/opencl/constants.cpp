@@ -3,9 +3,12 @@
 #include <array>
 #include <cstdio>
 
+#include "stages/fan_moves.h"
 #include "stages/gradient_table.h"
 #include "stages/jacobi.h"
 #include "stages/normals.h"
+#include "stages/patch_rules.h"
+#include "stages/places.h"
 #include "stages/sizing.h"
 #include "types/lattice.h"
 #include "types/volume.h"
@@ -38,7 +41,17 @@ std::string kernel_constants() {
          define("NORMALS_AGAINST_FACES", kAgainstFaces) + define("NORMALS_SPAN", kMaxGradientSpan) +
          define("NORMALS_FRACTIONS", kFractions) + define("NORMALS_SWEEPS", kJacobiSweeps) +
          define("SIZING_REACH", kSampleReach) + define("SIZING_STEPS", kSampleSteps) +
-         define("SIZING_LARGEST_RADIUS", kLargestRadius);
+         define("SIZING_LARGEST_RADIUS", kLargestRadius) + define("RELAX_SINE25", kSine25) +
+         define("RELAX_SINE40", kSine40) + define("RELAX_LEAST_FACING", kLeastFacing) +
+         define("RELAX_LENGTH_FACTOR", RemeshGoal::kLengthFactor) +
+         define("RELAX_LEAST_SLOPE", kLeastSlope) +
+         define("RELAX_LEAST_AGREEMENT", kLeastAgreement) +
+         define("RELAX_STEPS", kProjectionSteps) +
+         define("RELAX_SMOOTHING_REACH", kSmoothingReach) +
+         define("RELAX_EQUALISING_REACH", kEqualisingReach) +
+         define("RELAX_LARGEST_STEP", kLargestStep) +
+         define("RELAX_ENOUGH_EQUALITY", kEnoughEquality) +
+         define("RELAX_PLACE_INVERSE_SIDE", Places::kInverseSide);
 }
 
 }  // namespace vasamesh

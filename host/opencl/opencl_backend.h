@@ -150,6 +150,10 @@ class OpenClBackend final : public Backend {
                       View<float> radii) override;
   void stitch_triangulate(const GapRules& rules, StitchMode mode, const GapView& gaps,
                           View<std::uint8_t> closed, View<std::uint16_t> triangles) override;
+  void relax_smooth(const FieldView& field, const SizeView& sizes, const PlaceView& places,
+                    const FanView& fans, int passes, View<SurfacePoint> points) override;
+  void relax_equalise(const FieldView& field, const SizeView& sizes, const PlaceView& places,
+                      const FanView& fans, int passes, View<SurfacePoint> points) override;
 
  private:
   void bring_to_host(void* handle, bool writes) override { memory_->bring_to_host(handle, writes); }
@@ -200,6 +204,21 @@ class OpenClBackend final : public Backend {
     set(kernel, index, cl_float4{{inverse[0], inverse[1], inverse[2], 0}});
     set(kernel, index, field.brick_at);
     set(kernel, index, field.coefficients);
+  }
+  /// The sizes and places of RELAX_GOAL in kernels/relax.cl.
+  void set(cl::Kernel& kernel, cl_uint& index, const SizeView& view) {
+    const std::array<int, 3>& grid = view.field.grid;
+    const Scale& inverse = view.field.inverse_step;
+    set(kernel, index, cl_int4{{grid[0], grid[1], grid[2], 0}});
+    set(kernel, index, cl_float4{{inverse[0], inverse[1], inverse[2], view.elsewhere}});
+    set(kernel, index, view.field.brick_at);
+    set(kernel, index, view.sizes);
+    set(kernel, index, cl_ulong{view.sizes.size});
+  }
+  void set(cl::Kernel& kernel, cl_uint& index, const PlaceView& view) {
+    set(kernel, index, view.cells);
+    set(kernel, index, view.places);
+    set(kernel, index, cl_ulong{view.cells.size});
   }
   template <class T>
   void set(cl::Kernel& kernel, cl_uint& index, const T& value) {

@@ -133,6 +133,10 @@ class TbbBackend final : public Backend {
                       View<float> radii) override;
   void stitch_triangulate(const GapRules& rules, StitchMode mode, const GapView& gaps,
                           View<std::uint8_t> closed, View<std::uint16_t> triangles) override;
+  void relax_smooth(const FieldView& field, const SizeView& sizes, const PlaceView& places,
+                    const FanView& fans, int passes, View<SurfacePoint> points) override;
+  void relax_equalise(const FieldView& field, const SizeView& sizes, const PlaceView& places,
+                      const FanView& fans, int passes, View<SurfacePoint> points) override;
 
  private:
   /// body(i) for i in 0 .. count - 1, in pieces of `grain`, on the arena's workers; a checkpoint
