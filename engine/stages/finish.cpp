@@ -11,6 +11,7 @@ namespace {
 
 constexpr float kBlock = 32;  // voxel lengths
 constexpr int kPlainRounds = 1, kRounds = 4;
+constexpr int kFitRounds = 2;
 constexpr int kLastRounds = 4;  // that may follow where triangles with small angles are left
 
 /// Whether a triangle of the part has an angle below 20 degrees.
@@ -65,6 +66,13 @@ void finish(Backend& backend, const RemeshGoal& goal, WorkingSurface& surface) {
     relaxer.smooth(parts, 1);
     relaxer.equalise(parts, 8);
     for_each_part(backend, parts, [&](PatchMesh& part) { repair(part, goal, kSine25, 24); });
+    blocks.join();
+  }
+  for (int round = 0; round < kFitRounds; ++round) {
+    SurfaceBlocks blocks(backend, {kBlock, 0.1f + 0.4f * static_cast<float>(round)}, surface);
+    const std::vector<PatchMesh*> parts = blocks.parts();
+    for_each_part(backend, parts, [&](PatchMesh& part) { fit(part, goal, 2); });
+    relaxer.equalise(parts, 4);
     blocks.join();
   }
 }

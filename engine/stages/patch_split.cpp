@@ -7,7 +7,7 @@ namespace vasamesh {
 
 namespace {
 
-constexpr float kMostDistance = 0.1f;  // voxel lengths
+constexpr float kMostDistance = 0.3f;  // voxel lengths
 
 /// Whether the field's normal there is of use to a point with the normal `wanted`.
 bool is_of_use(const FieldSample& sample, const Vec3& wanted, float slope) {

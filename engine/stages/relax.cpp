@@ -77,17 +77,20 @@ PlaceView places_of(const RemeshGoal& goal) {
 }  // namespace
 
 void Relaxer::smooth(std::span<PatchMesh* const> parts, int passes) {
-  load(parts, false);
-  backend_.relax_smooth(goal_.field, goal_.sizes, places_of(goal_), view(), passes, points_.view());
-  take_points(parts);
+  if (load(parts, false)) {
+    backend_.relax_smooth(goal_.field, goal_.sizes, places_of(goal_), view(), passes,
+                          points_.view());
+    take_points(parts);
+  }
   for_each_part(backend_, parts, [&](PatchMesh& part) { smooth_off_field(part, goal_); });
 }
 
 void Relaxer::equalise(std::span<PatchMesh* const> parts, int passes) {
-  load(parts, true);
-  backend_.relax_equalise(goal_.field, goal_.sizes, places_of(goal_), view(), passes,
-                          points_.view());
-  take_points(parts);
+  if (load(parts, true)) {
+    backend_.relax_equalise(goal_.field, goal_.sizes, places_of(goal_), view(), passes,
+                            points_.view());
+    take_points(parts);
+  }
   for_each_part(backend_, parts, [&](PatchMesh& part) { equalise_off_field(part, goal_, passes); });
 }
 
@@ -137,11 +140,12 @@ void Relaxer::count(std::span<PatchMesh* const> parts, const std::vector<Fans>& 
   }
 }
 
-void Relaxer::load(std::span<PatchMesh* const> parts, bool inner_only) {
+bool Relaxer::load(std::span<PatchMesh* const> parts, bool inner_only) {
   std::vector<Fans> fans(parts.size());
   backend_.run(parts.size(), [&](std::size_t p) { fans[p] = fans_of(*parts[p], inner_only); });
   count(parts, fans);
   const std::size_t levels = start_.level.back(), all = start_.fan.back();
+  if (all == 0) return false;
   points_.resize(backend_, start_.point.back());
   part_level_.resize(backend_, parts.size() + 1);
   level_first_.resize(backend_, levels + 1);
@@ -155,6 +159,7 @@ void Relaxer::load(std::span<PatchMesh* const> parts, bool inner_only) {
   level_first_.view()[levels] = start_.fan.back();
   ring_first_.view()[all] = start_.ring.back();
   backend_.run(parts.size(), [&](std::size_t p) { load_part(*parts[p], fans[p], p); });
+  return true;
 }
 
 void Relaxer::load_part(const PatchMesh& part, const Fans& fans, std::size_t p) {

@@ -42,7 +42,8 @@ class Relaxer {
 
   static Fans fans_of(const PatchMesh& part, bool inner_only);
   void count(std::span<PatchMesh* const> parts, const std::vector<Fans>& fans);
-  void load(std::span<PatchMesh* const> parts, bool inner_only);
+  /// \return whether there is anything for a pass.
+  bool load(std::span<PatchMesh* const> parts, bool inner_only);
   void load_part(const PatchMesh& part, const Fans& fans, std::size_t p);
   void take_points(std::span<PatchMesh* const> parts);
   FanView view() const;
