@@ -27,6 +27,7 @@
 #include "types/octree.h"
 #include "types/point_cloud.h"
 #include "types/sizes.h"
+#include "types/triangle_boxes.h"
 #include "types/vec3.h"
 #include "types/volume.h"
 #include "vasamesh/parameters.h"
@@ -45,8 +46,8 @@ enum class Stage {
   sizing,
   stitch,
   relax,
-  mesh,
-  verify
+  verify,
+  mesh  ///< what only the host does
 };
 
 /// What a device was given to do, and what was copied to and from it.
@@ -371,6 +372,19 @@ class Backend : public Memory {
   virtual void relax_equalise(const FieldView& field, const SizeView& sizes,
                               const PlaceView& places, const FanView& fans, int passes,
                               View<SurfacePoint> points) = 0;
+
+  // --- Proof (engine/stages/candidate_pairs.h).
+  // ---------------------------------------------------
+
+  /// Pairs of triangles that may intersect (PairSearch): counts[leaf] = those of a leaf's triangles
+  /// with its own and later leaves'.
+  virtual void verify_count_pairs(const MeshView& mesh, const TreeView& tree,
+                                  View<std::uint32_t> counts) = 0;
+
+  /// Writes them, two triangles each, from pairs[2 * starts[leaf]] on; starts: scan of the counts.
+  virtual void verify_collect_pairs(const MeshView& mesh, const TreeView& tree,
+                                    View<const std::uint32_t> starts,
+                                    View<std::uint32_t> pairs) = 0;
 
  private:
   /// on_host() for a whole allocation, which the host may write when `writes`.

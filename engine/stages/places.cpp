@@ -40,10 +40,7 @@ Places::Places(const PlaceView& view)
     : places_(view.places.data(), view.places.data() + view.places.size),
       cells_(view.cells.data(), view.cells.data() + view.cells.size) {}
 
-PlaceView Places::view() const {
-  return {{const_cast<PlaceCell*>(cells_.data()), 0, cells_.size()},
-          {const_cast<CarefulPlace*>(places_.data()), 0, places_.size()}};
-}
+PlaceView Places::view() const { return {view_of(cells_), view_of(places_)}; }
 
 template <class Visit>
 void Places::for_each_near(const Vec3& p, const Visit& visit) const {

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdio>
 
+#include "stages/candidate_pairs.h"
 #include "stages/fan_moves.h"
 #include "stages/gradient_table.h"
 #include "stages/jacobi.h"
@@ -51,7 +52,11 @@ std::string kernel_constants() {
          define("RELAX_EQUALISING_REACH", kEqualisingReach) +
          define("RELAX_LARGEST_STEP", kLargestStep) +
          define("RELAX_ENOUGH_EQUALITY", kEnoughEquality) +
-         define("RELAX_PLACE_INVERSE_SIDE", Places::kInverseSide);
+         define("RELAX_PLACE_INVERSE_SIDE", Places::kInverseSide) +
+         define("VERIFY_DOT_ERROR", kDotError) +
+         define("VERIFY_DETERMINANT_ERROR", kDeterminantError) +
+         define("VERIFY_CROSS_DOT_ERROR", kCrossDotError) +
+         define("VERIFY_LEAST_EXTENT", kLeastExtent) + define("VERIFY_MOST_EXTENT", kMostExtent);
 }
 
 }  // namespace vasamesh

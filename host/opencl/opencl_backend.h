@@ -154,6 +154,10 @@ class OpenClBackend final : public Backend {
                     const FanView& fans, int passes, View<SurfacePoint> points) override;
   void relax_equalise(const FieldView& field, const SizeView& sizes, const PlaceView& places,
                       const FanView& fans, int passes, View<SurfacePoint> points) override;
+  void verify_count_pairs(const MeshView& mesh, const TreeView& tree,
+                          View<std::uint32_t> counts) override;
+  void verify_collect_pairs(const MeshView& mesh, const TreeView& tree,
+                            View<const std::uint32_t> starts, View<std::uint32_t> pairs) override;
 
  private:
   void bring_to_host(void* handle, bool writes) override { memory_->bring_to_host(handle, writes); }
@@ -219,6 +223,14 @@ class OpenClBackend final : public Backend {
     set(kernel, index, view.cells);
     set(kernel, index, view.places);
     set(kernel, index, cl_ulong{view.cells.size});
+  }
+  /// The tree of VERIFY_TREE in kernels/verify.cl.
+  void set(cl::Kernel& kernel, cl_uint& index, const TreeView& view) {
+    set(kernel, index, view.order);
+    set(kernel, index, view.nodes);
+    set(kernel, index, view.level_first);
+    set(kernel, index, cl_ulong{view.order.size});
+    set(kernel, index, cl_int{view.levels()});
   }
   template <class T>
   void set(cl::Kernel& kernel, cl_uint& index, const T& value) {

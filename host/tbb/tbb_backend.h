@@ -137,6 +137,10 @@ class TbbBackend final : public Backend {
                     const FanView& fans, int passes, View<SurfacePoint> points) override;
   void relax_equalise(const FieldView& field, const SizeView& sizes, const PlaceView& places,
                       const FanView& fans, int passes, View<SurfacePoint> points) override;
+  void verify_count_pairs(const MeshView& mesh, const TreeView& tree,
+                          View<std::uint32_t> counts) override;
+  void verify_collect_pairs(const MeshView& mesh, const TreeView& tree,
+                            View<const std::uint32_t> starts, View<std::uint32_t> pairs) override;
 
  private:
   /// body(i) for i in 0 .. count - 1, in pieces of `grain`, on the arena's workers; a checkpoint
