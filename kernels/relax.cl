@@ -1,6 +1,6 @@
 /// \file
-/// Smoothing and moves towards equal edges with projection onto the surface, a work-group a part
-/// (engine/stages/fan_moves.h, relax.h). Contract: engine/backend/backend.h.
+/// Smoothing and moves towards equal edges with projection onto the surface, a work-group a part,
+/// and how far the surface is from the triangles (engine/stages/fan_moves.h, relax.h). Contract: engine/backend/backend.h.
 ///
 /// The vertices of one level have no edges in common: items take them in turn, with a barrier
 /// between levels.
@@ -302,4 +302,49 @@ kernel __attribute__((BRICK_GROUP)) void relax_equalise(
     VIEW(const uint, vertex), VIEW(const uint, ring_start), VIEW(const uint, rings), int passes,
     VIEW(float, points)) {
   RELAX_PART(relax_equalise_vertex)
+}
+
+// --- Gaps. ---------------------------------------------------------------------------------------
+
+/// How far the surface lies outside of the midpoint between two points of it.
+static bool relax_find_gap(const Field *field, RelaxPoint a, RelaxPoint b, float *gap) {
+  const float3 middle = 0.5f * (a.position + b.position);
+  float3 foot = middle;
+  if (!field_project(field, RELAX_GAP_REACH, RELAX_GAP_STEPS, &foot).known) return false;
+  *gap = vec_dot(foot - middle, vec_normalised(a.normal + b.normal));
+  return true;
+}
+
+/// A work-item a fan.
+kernel __attribute__((ELEMENT_GROUP)) void relax_gaps(ulong count, FIELD_VIEW,
+                                                      VIEW(const uint, vertex),
+                                                      VIEW(const uint, ring_start),
+                                                      VIEW(const uint, rings),
+                                                      VIEW(const float, points),
+                                                      VIEW(float, gaps)) {
+  const size_t fan = get_global_id(0);
+  if (fan >= count) return;
+  TAKE(vertex);
+  TAKE(ring_start);
+  TAKE(rings);
+  points += RELAX_POINT * points_first;
+  const Field field = TAKE_FIELD;
+  const RelaxRing ring = {points, rings + ring_start[fan],
+                          (int)(ring_start[fan + 1] - ring_start[fan]) - 1};
+  const RelaxPoint p = relax_load(points, vertex[fan]);
+  float sum = 0, weights = 0;
+  float3 before = relax_position(&ring, ring.triangles - 1);
+  for (int i = 0; i < ring.triangles; ++i) {
+    const RelaxPoint q = relax_at(&ring, i);
+    const float3 edge = q.position - p.position, after = relax_position(&ring, i + 1);
+    const float3 one = vec_cross(edge, after - p.position),
+                 other = vec_cross(edge, before - p.position);
+    const float weight = sqrt(vec_dot(one, one)) + sqrt(vec_dot(other, other));
+    before = q.position;
+    float gap = 0;
+    if (!relax_find_gap(&field, p, q, &gap)) continue;
+    sum += weight * gap;
+    weights += weight;
+  }
+  gaps[gaps_first + fan] = weights > 0 ? sum / weights : 0.0f;
 }

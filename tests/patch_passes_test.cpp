@@ -53,12 +53,14 @@ class PatchPasses : public ::testing::Test {
   }
   void smooth(PatchMesh& patch, int passes) {
     const RemeshGoal wanted = goal(1);
-    Relaxer(*backend_, wanted).smooth(std::array{&patch}, passes);
+    Relaxer(backend(), wanted).smooth(std::array{&patch}, passes);
   }
   void equalise(PatchMesh& patch, int passes) {
     const RemeshGoal wanted = goal(1);
-    Relaxer(*backend_, wanted).equalise(std::array{&patch}, passes);
+    Relaxer(backend(), wanted).equalise(std::array{&patch}, passes);
   }
+
+  Backend& backend() { return *backend_; }
 
   AnalyticField field_ = plane_field(16, kHeight);
 
@@ -224,7 +226,7 @@ TEST_F(PatchPasses, FitPutsTheMiddlesOfEdgesOnTheSurface) {
   AnalyticField field = sphere_field(16, {8, 8, 8}, kRadius);
   const RemeshGoal round = {field.view(), field.sizes(2), nullptr, false};
   PatchMesh patch = ball(sphere(kRadius, 0), 2);
-  fit(patch, round, 3);
+  Relaxer(backend(), round).fit(std::array{&patch}, 3);
   // Edges of an icosahedron are seen from its centre under 63.4 degrees.
   const double expected = kRadius / std::cos(std::atan(2) / 2);
   for (std::uint32_t v = 0; v < patch.vertex_count(); ++v) {
@@ -242,7 +244,7 @@ TEST_F(PatchPasses, FitLeavesRelaxedAndStrayVertices) {
   patch.points[3].on_field = false;  // too far out
   patch.points[3].position = Vec3{8, 8, 8} + 2.6f * patch.points[3].normal;
   const Vec3 relaxed = patch.points[0].position, stray = patch.points[3].position;
-  fit(patch, round, 1);
+  Relaxer(backend(), round).fit(std::array{&patch}, 1);
   EXPECT_EQ(patch.points[0].position, relaxed);
   EXPECT_EQ(patch.points[3].position, stray);
 }

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <random>
 
@@ -97,11 +98,6 @@ class Relaxation : public BackendTest {
     return moves;
   }
 
- private:
-  /// So that the passes have to do with every vertex.
-  static void claim_field(PatchMesh& part) {
-    for (SurfacePoint& point : part.points) point.on_field = true;
-  }
   static void expect_same(const Parts& got, const Parts& want) {
     ASSERT_EQ(got.parts.size(), want.parts.size());
     for (std::size_t p = 0; p < got.parts.size(); ++p) {
@@ -110,6 +106,12 @@ class Relaxation : public BackendTest {
         ASSERT_TRUE(same(got.parts[p]->points[v], want.parts[p]->points[v]))
             << "vertex " << v << " of part " << p;
     }
+  }
+
+ private:
+  /// So that the passes have to do with every vertex.
+  static void claim_field(PatchMesh& part) {
+    for (SurfacePoint& point : part.points) point.on_field = true;
   }
 };
 
@@ -123,6 +125,29 @@ TEST_P(Relaxation, OfOnePartWithPlacesAndAlmostNothingOnTheSurface) {
   EXPECT_GT(expect_as_one_by_one(Scene(0.3f), &places, 64), 300);
 }
 
+TEST_P(Relaxation, FitMovesAlongNormalsByTheGapsAsOnTheHost) {
+  const Scene scene(0.02f);
+  const RemeshGoal goal = scene.goal(nullptr);
+  Parts got(scene.surface(goal), 12), want(scene.surface(goal), 12);
+  const Parts before(scene.surface(goal), 12);
+  Relaxer(backend(), goal).fit(got.parts, 1);
+  Relaxer(host(), goal).fit(want.parts, 1);
+  expect_same(got, want);
+  int moved = 0;
+  for (std::size_t p = 0; p < got.parts.size(); ++p) {
+    const std::vector<float> gaps = gaps_one_by_one(*before.parts[p], goal.field);
+    for (std::size_t v = 0; v < gaps.size(); ++v) {
+      const SurfacePoint& old = before.parts[p]->points[v];
+      const Vec3 place = got.parts[p]->points[v].position;
+      if (place == old.position) continue;
+      const float most = 0.2f * old.size;
+      EXPECT_EQ(place, old.position + std::clamp(gaps[v], -most, most) * old.normal);
+      ++moved;
+    }
+  }
+  EXPECT_GT(moved, 100);
+}
+
 TEST_P(Relaxation, OfNothing) {
   const Scene scene(0);
   const RemeshGoal goal = scene.goal(nullptr);
@@ -132,6 +157,7 @@ TEST_P(Relaxation, OfNothing) {
   empty.build({}, {}, {});
   PatchMesh* parts[] = {&empty};
   relaxer.equalise(parts, 2);
+  relaxer.fit(parts, 2);
   EXPECT_EQ(empty.vertex_count(), 0u);
 }
 

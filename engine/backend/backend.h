@@ -373,6 +373,11 @@ class Backend : public Memory {
                               const PlaceView& places, const FanView& fans, int passes,
                               View<SurfacePoint> points) = 0;
 
+  /// gaps = how far the surface lies outside of the triangles round each fan's vertex (mean_gap).
+  /// None is on a border.
+  virtual void relax_gaps(const FieldView& field, const FanView& fans,
+                          View<const SurfacePoint> points, View<float> gaps) = 0;
+
   // --- Proof (engine/stages/candidate_pairs.h).
   // ---------------------------------------------------
 

@@ -44,6 +44,16 @@ void smooth_vertex(const RemeshGoal& goal, const Ring& ring, SurfacePoint& p);
 bool find_more_equal(const RemeshGoal& goal, const Ring& ring, const SurfacePoint& p,
                      SurfacePoint& moved);
 
+// From an edge's midpoint to the surface at most, voxel lengths, and the steps of the projection.
+inline constexpr float kGapReach = 0.5f;
+inline constexpr int kGapSteps = 3;
+
+/// How far the surface lies outside of the triangles round an inner vertex, voxel lengths: at the
+/// midpoints of its edges, the mean by the areas beside them. A function that is quadratic over
+/// each triangle has its mean over the surface in these midpoints alone. Edges without the surface
+/// near do not count; 0 where none has it.
+float mean_gap(const FieldView& field, const Ring& ring, const SurfacePoint& p);
+
 /// move(point, ring) for the vertices of a part, in their order, `passes` times. The views are in
 /// the host's memory.
 template <class Move>

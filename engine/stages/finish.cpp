@@ -71,7 +71,7 @@ void finish(Backend& backend, const RemeshGoal& goal, WorkingSurface& surface) {
   for (int round = 0; round < kFitRounds; ++round) {
     SurfaceBlocks blocks(backend, {kBlock, 0.1f + 0.4f * static_cast<float>(round)}, surface);
     const std::vector<PatchMesh*> parts = blocks.parts();
-    for_each_part(backend, parts, [&](PatchMesh& part) { fit(part, goal, 2); });
+    relaxer.fit(parts, 2);
     relaxer.equalise(parts, 4);
     blocks.join();
   }

@@ -50,12 +50,6 @@ void flip_to_valence(PatchMesh& mesh, int passes);
 /// Flips edges where that makes the least angle of their two triangles larger.
 void flip_to_angle(PatchMesh& mesh, int passes);
 
-/// Moves inner vertices on the surface along their normals until the surface lies, on average over
-/// the triangles round each, as far inside of them as outside: a tube keeps the area of its section.
-/// Only where no triangle comes to meet another. They are off the field then: passes that follow
-/// leave them where they are along their normals.
-void fit(PatchMesh& mesh, const RemeshGoal& goal, int passes);
-
 /// Collapses, flips and moves round the triangles whose least angle has a squared sine below
 /// `wanted`, each only if the least angle there grows and no triangle comes to meet another. Where
 /// angles below 20 degrees stay, the place is relaxed off the field, by 0.4 voxel lengths at most a

@@ -1,11 +1,11 @@
 #include "stages/relax.h"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "stages/fan_moves.h"
 #include "stages/patch_blocks.h"
-#include "stages/patch_clearance.h"
 #include "stages/patch_rules.h"
 
 namespace vasamesh {
@@ -70,6 +70,27 @@ void equalise_off_field(PatchMesh& mesh, const RemeshGoal& goal, int passes) {
     }
 }
 
+// Of moves along normals: voxel lengths that are worth one, and the most, of the size.
+constexpr float kLeastMove = 0.005f, kMostMove = 0.2f;
+
+/// Gives the vertices off the field its normals, but not those that relaxation has moved.
+void take_normals(PatchMesh& mesh, const FieldView& field) {
+  for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v)
+    if (mesh.is_there(v) && mesh.is_inner(v) && !mesh.points[v].on_field &&
+        mesh.points[v].drift == 0)
+      take_normal(field, mesh.points[v]);
+}
+
+void move_along_normal(PatchMesh& mesh, std::uint32_t v, float move, Clearance& clearance) {
+  SurfacePoint point = mesh.points[v];
+  const float most = kMostMove * point.size;
+  move = std::clamp(move, -most, most);
+  if (!(move * move >= kLeastMove * kLeastMove)) return;
+  point.position = point.position + move * point.normal;
+  if (may_move(mesh, v, point, std::min(kSine25, facing_fan_quality(mesh, v))))
+    clearance.move_if_clear(mesh, v, point);
+}
+
 PlaceView places_of(const RemeshGoal& goal) {
   return goal.places ? goal.places->view() : PlaceView{};
 }
@@ -92,6 +113,35 @@ void Relaxer::equalise(std::span<PatchMesh* const> parts, int passes) {
     take_points(parts);
   }
   for_each_part(backend_, parts, [&](PatchMesh& part) { equalise_off_field(part, goal_, passes); });
+}
+
+/// All gaps first, then all moves.
+void Relaxer::fit(std::span<PatchMesh* const> parts, int passes) {
+  for_each_part(backend_, parts, [&](PatchMesh& part) { take_normals(part, goal_.field); });
+  std::vector<std::optional<Clearance>> clearances(parts.size());
+  for (int pass = 0; pass < passes && load(parts, true); ++pass) {
+    gaps_.resize(backend_, vertex_.size());
+    backend_.relax_gaps(goal_.field, view(), std::as_const(points_).view(), gaps_.view());
+    backend_.on_host(std::as_const(gaps_).view());
+    backend_.run(parts.size(), [&](std::size_t p) {
+      if (start_.fan[p] == start_.fan[p + 1]) return;
+      if (!clearances[p]) clearances[p].emplace(*parts[p]);
+      move_by_gaps(*parts[p], p, *clearances[p]);
+    });
+  }
+  for_each_part(backend_, parts, [](PatchMesh& part) {
+    for (std::uint32_t v = 0; v < part.vertex_count(); ++v)
+      if (part.is_there(v) && part.is_inner(v)) part.points[v].on_field = false;
+  });
+}
+
+/// In the order of the vertices' numbers.
+void Relaxer::move_by_gaps(PatchMesh& part, std::size_t p, Clearance& clearance) {
+  std::vector<float> gaps(part.vertex_count(), 0.0f);
+  for (std::size_t f = start_.fan[p]; f < start_.fan[p + 1]; ++f)
+    gaps[vertex_.view()[f] - start_.point[p]] = gaps_.view()[f];
+  for (std::uint32_t v = 0; v < part.vertex_count(); ++v)
+    move_along_normal(part, v, gaps[v], clearance);
 }
 
 /// A vertex's level is one above those of its neighbours that come before it.

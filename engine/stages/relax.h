@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "backend/backend.h"
+#include "stages/patch_clearance.h"
 #include "stages/patch_mesh.h"
 #include "stages/patch_passes.h"
 #include "types/fans.h"
@@ -30,6 +31,12 @@ class Relaxer {
   /// Moves inner vertices to where the triangles round them have edges of more equal lengths.
   void equalise(std::span<PatchMesh* const> parts, int passes);
 
+  /// Moves inner vertices on the surface along their normals until the surface lies, on average
+  /// over the triangles round each, as far inside of them as outside: a tube keeps the area of its
+  /// section. Only where no triangle comes to meet another. They are off the field then: passes
+  /// that follow leave them where they are along their normals.
+  void fit(std::span<PatchMesh* const> parts, int passes);
+
  private:
   /// The fans of one part that are to be moved.
   struct Fans {
@@ -46,12 +53,14 @@ class Relaxer {
   bool load(std::span<PatchMesh* const> parts, bool inner_only);
   void load_part(const PatchMesh& part, const Fans& fans, std::size_t p);
   void take_points(std::span<PatchMesh* const> parts);
+  void move_by_gaps(PatchMesh& part, std::size_t p, Clearance& clearance);
   FanView view() const;
 
   Backend& backend_;
   const RemeshGoal& goal_;
   Starts start_;
   Buffer<SurfacePoint> points_;
+  Buffer<float> gaps_;  ///< a fan
   Buffer<std::uint32_t> part_level_, level_first_, vertex_, ring_first_, ring_;
 };
 

@@ -49,8 +49,8 @@ std::string kernel_constants() {
          define("RELAX_LEAST_AGREEMENT", kLeastAgreement) +
          define("RELAX_STEPS", kProjectionSteps) +
          define("RELAX_SMOOTHING_REACH", kSmoothingReach) +
-         define("RELAX_EQUALISING_REACH", kEqualisingReach) +
-         define("RELAX_LARGEST_STEP", kLargestStep) +
+         define("RELAX_EQUALISING_REACH", kEqualisingReach) + define("RELAX_GAP_REACH", kGapReach) +
+         define("RELAX_GAP_STEPS", kGapSteps) + define("RELAX_LARGEST_STEP", kLargestStep) +
          define("RELAX_ENOUGH_EQUALITY", kEnoughEquality) +
          define("RELAX_PLACE_INVERSE_SIDE", Places::kInverseSide) +
          define("VERIFY_DOT_ERROR", kDotError) +

@@ -25,4 +25,10 @@ void OpenClBackend::relax_equalise(const FieldView& field, const SizeView& sizes
          fans.level_first, fans.vertex, fans.ring_first, fans.ring, cl_int{passes}, points);
 }
 
+void OpenClBackend::relax_gaps(const FieldView& field, const FanView& fans,
+                               View<const SurfacePoint> points, View<float> gaps) {
+  launch("relax_gaps", groups_of(gaps.size), shape_.fold_items, cl_ulong{gaps.size}, field,
+         fans.vertex, fans.ring_first, fans.ring, points, gaps);
+}
+
 }  // namespace vasamesh

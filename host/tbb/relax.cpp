@@ -29,4 +29,14 @@ void TbbBackend::relax_equalise(const FieldView& field, const SizeView& sizes,
   });
 }
 
+void TbbBackend::relax_gaps(const FieldView& field, const FanView& fans,
+                            View<const SurfacePoint> points, View<float> gaps) {
+  constexpr std::size_t kGrain = 128;  // fans a task takes
+  for_each(gaps.size, kGrain, [=](std::size_t fan) {
+    const std::uint32_t at = fans.ring_first[fan];
+    const Ring ring = {points.data(), {fans.ring.data() + at, fans.ring_first[fan + 1] - at}};
+    gaps[fan] = mean_gap(field, ring, points[fans.vertex[fan]]);
+  });
+}
+
 }  // namespace vasamesh

@@ -137,6 +137,8 @@ class TbbBackend final : public Backend {
                     const FanView& fans, int passes, View<SurfacePoint> points) override;
   void relax_equalise(const FieldView& field, const SizeView& sizes, const PlaceView& places,
                       const FanView& fans, int passes, View<SurfacePoint> points) override;
+  void relax_gaps(const FieldView& field, const FanView& fans, View<const SurfacePoint> points,
+                  View<float> gaps) override;
   void verify_count_pairs(const MeshView& mesh, const TreeView& tree,
                           View<std::uint32_t> counts) override;
   void verify_collect_pairs(const MeshView& mesh, const TreeView& tree,

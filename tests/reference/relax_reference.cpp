@@ -87,7 +87,33 @@ bool equalise_one(PatchMesh& mesh, const RemeshGoal& goal, std::uint32_t v) {
   return true;
 }
 
+/// The mean way from the midpoints of the edges to the surface, by the areas beside them.
+float gap_round(const PatchMesh& mesh, const FieldView& field, std::uint32_t v) {
+  const SurfacePoint& p = mesh.points[v];
+  float sum = 0, weights = 0;
+  mesh.for_each_out(v, [&](std::uint32_t h) {
+    const SurfacePoint& q = mesh.points[mesh.target(h)];
+    const Vec3 middle = 0.5f * (p.position + q.position);
+    Vec3 foot = middle;
+    if (!project_to_surface(field, 0.5f, 3, foot).known) return;
+    float weight = 0;
+    for (std::uint32_t apex : {mesh.apex(h), mesh.apex(mesh.twin(h))})
+      weight += norm(cross(q.position - p.position, mesh.points[apex].position - p.position));
+    sum += weight * dot(foot - middle, normalised(p.normal + q.normal));
+    weights += weight;
+  });
+  return weights > 0 ? sum / weights : 0.0f;
+}
+
 }  // namespace
+
+std::vector<float> gaps_one_by_one(const PatchMesh& mesh, const FieldView& field) {
+  std::vector<float> gaps(mesh.vertex_count(), 0.0f);
+  for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v)
+    if (mesh.is_there(v) && mesh.is_inner(v) && mesh.points[v].on_field)
+      gaps[v] = gap_round(mesh, field, v);
+  return gaps;
+}
 
 int smooth_one_by_one(PatchMesh& mesh, const RemeshGoal& goal, int passes) {
   int moves = 0;
