@@ -71,7 +71,7 @@ void equalise_off_field(PatchMesh& mesh, const RemeshGoal& goal, int passes) {
 }
 
 // Of moves along normals: voxel lengths that are worth one, and the most, of the size.
-constexpr float kLeastMove = 0.005f, kMostMove = 0.2f;
+constexpr float kLeastMove = 0.02f, kMostMove = 0.2f;
 
 /// Gives the vertices off the field its normals, but not those that relaxation has moved.
 void take_normals(PatchMesh& mesh, const FieldView& field) {
