@@ -83,7 +83,7 @@ std::vector<Shaped> shaped_cases() {
   std::vector<Shaped> cases;
   for (const char* name : {"sphere", "torus", "y_branch", "hollow_shell", "two_tubes"})
     cases.push_back({named(name), 0.93, 20, 47, 0.45});
-  cases.push_back({named("line_space_diagonal"), 0.8, 28, 42, 0.9});
+  cases.push_back({named("line_space_diagonal"), 0.8, 25, 42, 0.9});
   cases.push_back({named("one_slice"), 0.68, 18, 38, 1.2});
   cases.push_back({named("single_voxel"), 0.4, 30, 38, 4});
   for (const PhantomCase& tree : tree_cases(4)) cases.push_back({tree, 0.75, 12, 40, 1.2});
