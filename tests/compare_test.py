@@ -118,6 +118,14 @@ class Judgement(unittest.TestCase):
         self.assertIn("mean distance to marching cubes 0.200 voxels, mpu's 0.100", missed)
         self.assertIn("spread of the RMS curvature 0.60 /mm, mpu's 0.50", missed)
 
+    def test_the_exact_surface_stands_beside_the_spread(self) -> None:
+        from evaluation.goals import goals_of
+
+        rows = {"ours": row_of("ours", spread=0.8), "mc": row_of("mc", spread=1.0)}
+        exact = row_of("exact", spread=0.7)
+        text = goals_of(rows, 3.0, exact)[-1].text
+        self.assertIn("0.80 of marching cubes' (at most 0.5); the exact surface's is 0.70", text)
+
     def test_each_defect_spoils_ours(self) -> None:
         from evaluation.goals import complete
 
@@ -255,6 +263,8 @@ class WholeRun(unittest.TestCase):
             "Smoothness",
             "Triangle quality",
             "Topology",
+            "The exact surface's: mean",
+            "The exact surface itself: mean",
         ):
             self.assertIn(title, text)
 
