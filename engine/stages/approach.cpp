@@ -20,6 +20,7 @@ namespace {
 
 constexpr float kBlock = 32;  // voxel lengths
 constexpr int kRounds = 6, kReturns = 2;
+constexpr int kCarefulRounds = 3, kCarefulReturns = 1;  // without angles below 20 degrees
 constexpr float kAim = 0.93f;  // of the farthest distance: where a move is to end
 constexpr float kLongestMove = 0.5f, kReach = 0.4f;  // voxel lengths: of a vertex, of a projection
 constexpr float kAtVertex = 0.65f;   // weight from which the nearest point counts as a vertex
@@ -76,8 +77,9 @@ Foot foot_on(const Vec3& p, const std::array<Vec3, 3>& corner) {
 
 class Approach {
  public:
-  Approach(PatchMesh& mesh, const RemeshGoal& goal, float farthest)
-      : mesh_(mesh), goal_(goal), farthest_(farthest), clearance_(mesh) {}
+  /// \param least  squared sine: of the angles that are made, unless they were smaller before.
+  Approach(PatchMesh& mesh, const RemeshGoal& goal, float farthest, float least)
+      : mesh_(mesh), goal_(goal), farthest_(farthest), least_(least), clearance_(mesh) {}
 
   /// One step of the part's vertex at `from`, if it has it, towards a point.
   void draw_vertex(const Vec3& from, const Vec3& to) {
@@ -122,6 +124,7 @@ class Approach {
   PatchMesh& mesh_;
   const RemeshGoal& goal_;
   float farthest_;
+  float least_;
   Clearance clearance_;
 };
 
@@ -161,8 +164,8 @@ bool Approach::split(std::uint32_t h, const Vec3& p) {
     const SurfacePoint& from = mesh_.points[mesh_.origin(g)];
     const SurfacePoint& to = mesh_.points[mesh_.target(g)];
     const SurfacePoint& apex = mesh_.points[mesh_.apex(g)];
-    if (triangle_quality(from, place, apex, kLeastFacingInRepair) < kSine10 ||
-        triangle_quality(place, to, apex, kLeastFacingInRepair) < kSine10)
+    if (triangle_quality(from, place, apex, kLeastFacingInRepair) < least_ ||
+        triangle_quality(place, to, apex, kLeastFacingInRepair) < least_)
       return false;
   }
   const std::uint32_t m = mesh_.split(h, middle);
@@ -183,7 +186,7 @@ bool Approach::move(std::uint32_t v, const Vec3& p, float rest) {
       bool good = true;
       mesh_.for_each_out(v, [&](std::uint32_t h) {
         const SurfacePoint &b = mesh_.points[mesh_.target(h)], &c = mesh_.points[mesh_.apex(h)];
-        const float limit = std::min(kSine10, least_sine(old, b, c));
+        const float limit = std::min(least_, least_sine(old, b, c));
         good = good && (least_facing > 0 ? may_replace(old, moved, b, c, limit, least_facing)
                                          : least_sine(moved, b, c) >= limit);
       });
@@ -243,6 +246,7 @@ TriangleMesh approach(Backend& backend, const FieldView& field, const SizeView& 
   std::vector<FarPoint> far = far_points(backend, points, farthest, mesh);
   std::vector<Vec3> left;
   for (int round = 0; round < kRounds && !far.empty(); ++round) {
+    const float least = round < kCarefulRounds ? kSine20 : kSine10;
     const Places places = places_of(far);
     const RemeshGoal goal = {field, sizes, &places, true};
     WorkingSurface surface = make_working_surface(backend, goal, mesh);
@@ -250,7 +254,7 @@ TriangleMesh approach(Backend& backend, const FieldView& field, const SizeView& 
                    [&](PatchMesh& part) {
                      const std::vector<FarPoint> own = points_of(far, part);
                      if (own.empty()) return;
-                     Approach work(part, goal, farthest);
+                     Approach work(part, goal, farthest, least);
                      for (const FarPoint& point : own) work.draw_to(point);
                    });
     mesh = make_mesh(surface);
@@ -307,6 +311,7 @@ TriangleMesh bring_back(Backend& backend, const FieldView& field, const SizeView
     const std::vector<StrayVertex> strays =
         stray_vertices(backend, origin, tree, farthest, places, mesh);
     if (strays.empty()) break;
+    const float least = round < kCarefulReturns ? kSine20 : kSine10;
     places = places_of(strays);
     const RemeshGoal goal = {field, sizes, &places, true};
     WorkingSurface surface = make_working_surface(backend, goal, mesh);
@@ -316,7 +321,7 @@ TriangleMesh bring_back(Backend& backend, const FieldView& field, const SizeView
                      std::optional<Approach> work;
                      for (const StrayVertex& stray : strays) {
                        if (!extent.is_within(stray.from, 0)) continue;
-                       if (!work) work.emplace(part, goal, farthest);
+                       if (!work) work.emplace(part, goal, farthest, least);
                        work->draw_vertex(stray.from, stray.to);
                      }
                    });

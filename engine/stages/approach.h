@@ -4,7 +4,8 @@
 /// Brings a finished surface near points that it has left: chords over strongly curved places and
 /// the tips of spurs, which the field's zero set alone does not hold. The edge next to such a point
 /// is split, or its nearest vertex moved towards it, only where no triangle turns away from the
-/// surface or comes to meet another. The topology stays.
+/// surface or comes to meet another, and no angle below 20 degrees is made; of what that leaves too
+/// far, where none below 10 is. The topology stays.
 
 #include <span>
 

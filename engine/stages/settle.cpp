@@ -29,8 +29,11 @@ constexpr float kSpread = 2;         // voxel lengths beyond a place up to which
 constexpr float kReach = 2;          // beyond the places of a try up to which its work is looked at
 constexpr float kCollar = 6;         // beyond that, of the surface that is cut out
 // Of the edges in the middle of a place, try by try, and how they grow from there out.
-constexpr float kFactors[] = {0.8f, 0.55f, 0.7f, 1, 0.8f, 0.6f, 0.35f, 0.6f, 1.3f, 0.25f, 0.8f, 1};
-constexpr std::size_t kChain = 3;                      // tries
+constexpr float kFactors[] = {0.8f, 0.55f, 0.7f,  1,    0.8f, 0.6f, 0.35f, 0.6f,
+                              1.3f, 0.25f, 0.8f,  1,    0.5f, 0.7f, 0.9f,  0.9f,
+                              0.6f, 0.45f, 0.65f, 1.1f, 0.8f, 0.4f, 0.75f, 0.5f};
+constexpr std::size_t kChain = 3;  // tries
+constexpr int kAgain = 2;  // that a try is brought near again: one move may leave other points far
 constexpr std::size_t kWork = 3, kLeastWork = 100000;  // of all tries: times the mesh's triangles
 constexpr float kGrowth[] = {1, 1.35f, 1.7f, 2.2f};
 
@@ -157,6 +160,10 @@ class Settling {
       mesh = remesh_places(backend_, field_, sizes_, mesh, graded(places));
       mesh = approached(solid, Places(places), std::move(mesh));
       faults = faults_of(mesh, solid, reached, {});
+      for (int again = 0; again < kAgain && !faults.far.empty(); ++again) {
+        mesh = approached(solid, wider(places, kSpread), std::move(mesh));
+        faults = faults_of(mesh, solid, reached, {});
+      }
       if (faults.counts() >= fewest.counts()) continue;
       best = mesh;
       fewest = faults;
