@@ -317,6 +317,28 @@ class WholeRun(unittest.TestCase):
 
 
 class Pictures(unittest.TestCase):
+    def test_a_reference_beside_a_volume_is_turned_to_lps(self) -> None:
+        if importlib.util.find_spec("vtkmodules") is None:
+            self.skipTest("no vtkmodules here; see perf/requirements.txt")
+        from evaluation.inputs import reference_beside
+        from vtkmodules.vtkFiltersSources import vtkPlaneSource
+        from vtkmodules.vtkIOLegacy import vtkPolyDataWriter
+        from vtkmodules.vtkIOPLY import vtkPLYReader
+
+        with tempfile.TemporaryDirectory() as name:
+            folder = Path(name)
+            self.assertIsNone(reference_beside(folder / "scan.nii.gz", folder))
+            plane, writer, reader = vtkPlaneSource(), vtkPolyDataWriter(), vtkPLYReader()
+            plane.SetOrigin(1, 2, 3)
+            plane.SetPoint1(5, 2, 3)
+            plane.SetPoint2(1, 7, 3)
+            writer.SetInputConnection(plane.GetOutputPort())
+            writer.SetFileName(str(folder / "scan.vtk"))
+            writer.Write()
+            reader.SetFileName(str(reference_beside(folder / "scan.nii.gz", folder)))
+            reader.Update()
+        self.assertEqual(reader.GetOutput().GetBounds(), (-5, -1, -7, -2, 3, 3))
+
     def test_shares_of_known_values(self) -> None:
         if any(importlib.util.find_spec(name) is None for name in DRAWING):
             self.skipTest("no " + ", ".join(DRAWING) + " here; see perf/requirements.txt")
