@@ -11,6 +11,8 @@
 #include "stages/patch_clearance.h"
 #include "stages/patch_rules.h"
 #include "support/analytic_field.h"
+#include "support/shapes.h"
+#include "types/mesh_vertex.h"
 
 namespace vasamesh::test {
 namespace {
@@ -188,6 +190,46 @@ TEST_F(PatchPasses, AMoveIntoAnotherSheetIsRefused) {
   up.position.z = 8.05f;
   EXPECT_TRUE(clearance.move_if_clear(patch, 0, up));
   EXPECT_EQ(patch.points[0].position.z, 8.05f);
+}
+
+/// A polyhedron of equal triangles with its vertices on a sphere about (8, 8, 8).
+PatchMesh ball(const TriangleMesh& mesh, float size) {
+  std::vector<SurfacePoint> points;
+  for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
+    const Vec3 p = vertex_at(mesh, v);
+    points.push_back({p + Vec3{8, 8, 8}, normalised(p), size});
+  }
+  PatchMesh patch;
+  patch.build(std::move(points), mesh.triangles, std::vector<std::uint8_t>(mesh.vertex_count(), 1));
+  return patch;
+}
+
+TEST_F(PatchPasses, FitPutsTheMiddlesOfEdgesOnTheSurface) {
+  constexpr float kRadius = 2;
+  AnalyticField field = sphere_field(16, {8, 8, 8}, kRadius);
+  const RemeshGoal round = {field.view(), field.sizes(2), nullptr, false};
+  PatchMesh patch = ball(sphere(kRadius, 0), 2);
+  fit(patch, round, 3);
+  // Edges of an icosahedron are seen from its centre under 63.4 degrees.
+  const double expected = kRadius / std::cos(std::atan(2) / 2);
+  for (std::uint32_t v = 0; v < patch.vertex_count(); ++v) {
+    EXPECT_NEAR(norm(patch.points[v].position - Vec3{8, 8, 8}), expected, 0.02);
+    EXPECT_FALSE(patch.points[v].on_field);
+  }
+}
+
+TEST_F(PatchPasses, FitLeavesRelaxedAndStrayVertices) {
+  AnalyticField field = sphere_field(16, {8, 8, 8}, 2);
+  const RemeshGoal round = {field.view(), field.sizes(2), nullptr, false};
+  PatchMesh patch = ball(sphere(2, 0), 2);
+  patch.points[0].on_field = false;  // relaxed
+  patch.points[0].drift = 0.1f;
+  patch.points[3].on_field = false;  // too far out
+  patch.points[3].position = Vec3{8, 8, 8} + 2.6f * patch.points[3].normal;
+  const Vec3 relaxed = patch.points[0].position, stray = patch.points[3].position;
+  fit(patch, round, 1);
+  EXPECT_EQ(patch.points[0].position, relaxed);
+  EXPECT_EQ(patch.points[3].position, stray);
 }
 
 TEST_F(PatchPasses, APointGoesOntoTheSurfaceOrStays) {

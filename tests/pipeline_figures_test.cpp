@@ -11,6 +11,7 @@
 
 #include "io/marching_cubes.h"
 #include "stages/distance.h"
+#include "stages/quality.h"
 #include "support/cases.h"
 #include "support/dense_volume.h"
 #include "support/invariants.h"
@@ -25,8 +26,7 @@ constexpr double kMeanOnScans = 0.17;     // voxels, to marching cubes
 constexpr double kMeanOnPhantoms = 0.27;  // voxels, to marching cubes
 constexpr double kMeanToExact = 0.12;     // voxels, for radii of 2.5 voxels or more
 constexpr double kVolumeError = 0.02;
-constexpr double kVolumeErrorOfChords = 0.05;  // where edges are long: they cut round vessels
-constexpr double kStep = 0.5;                  // voxels between the samples of a distance
+constexpr double kStep = 0.5;  // voxels between the samples of a distance
 constexpr std::int64_t kManyPieces = 1000;
 constexpr int kTrees = 100, kTreeShards = 10, kAccuracyShards = 4;
 
@@ -71,19 +71,6 @@ void expect_near_marching_cubes(const TriangleMesh& mesh, const Segmentation& se
   }
 }
 
-double signed_volume(const TriangleMesh& mesh) {
-  double sum = 0;
-  const auto at = [&](std::size_t corner, std::size_t axis) {
-    return static_cast<double>(mesh.vertices[3 * mesh.triangles[corner] + axis]);
-  };
-  for (std::size_t t = 0; t < mesh.triangles.size(); t += 3)
-    for (std::size_t i = 0; i < 3; ++i) {
-      const std::size_t j = (i + 1) % 3, k = (i + 2) % 3;
-      sum += at(t, i) * (at(t + 1, j) * at(t + 2, k) - at(t + 1, k) * at(t + 2, j));
-    }
-  return sum / 6;
-}
-
 class SmallPhantoms : public ::testing::TestWithParam<PhantomCase> {};
 
 TEST_P(SmallPhantoms, ProvenAndNearMarchingCubes) {
@@ -123,9 +110,9 @@ TEST_P(Accuracy, NearTheExactSurfaceAndOfItsVolume) {
           measure_distance(*context().backends.back(), result.mesh, *phantom.exact, voxel, kStep);
       EXPECT_LE(distance.to.mean, kMeanToExact * voxel);
       EXPECT_LE(distance.back.mean, kMeanToExact * voxel);
-      const double volume = signed_volume(*phantom.exact);
-      const double error = kind == SurfaceKind::base ? kVolumeError : kVolumeErrorOfChords;
-      EXPECT_NEAR(signed_volume(result.mesh), volume, error * volume);
+      const double volume = measure_quality(*context().backends.back(), *phantom.exact).volume;
+      EXPECT_NEAR(measure_quality(*context().backends.back(), result.mesh).volume, volume,
+                  kVolumeError * volume);
     }
   }
 }

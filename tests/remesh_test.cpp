@@ -62,7 +62,8 @@ TEST(Remesh, ABallGetsEvenTrianglesOnItsSurface) {
   EXPECT_GE(quality.least_angle.percentile_5, 44);
   EXPECT_NEAR(static_cast<double>(mesh.triangle_count()) / scene.sizes.predicted_triangles, 1, 0.1);
   for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v)
-    EXPECT_NEAR(norm(vertex_at(mesh, v) - Vec3{16, 16, 16}), 9, 0.03);
+    EXPECT_NEAR(norm(vertex_at(mesh, v) - Vec3{16, 16, 16}), 9, 0.25);
+  EXPECT_NEAR(quality.volume, 4 * M_PI / 3 * 9 * 9 * 9, 15);  // half a percent
 }
 
 TEST(Remesh, ARingKeepsItsHandle) {
@@ -209,7 +210,7 @@ TEST(Remesh, APatchKeepsItsBorders) {
   EXPECT_EQ(report.intersecting_pairs, 0);
   for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) {
     const Vec3 p = vertex_at(mesh, v);
-    EXPECT_NEAR(norm(Vec3{0, p.y - 8, p.z - 8}), 3, 0.05)
+    EXPECT_NEAR(norm(Vec3{0, p.y - 8, p.z - 8}), 3, 0.25)
         << "vertex " << v << " at " << p.x << " " << p.y << " " << p.z;
     EXPECT_GT(p.x, 11.5f);
     EXPECT_LT(p.x, 28.5f);

@@ -13,6 +13,7 @@
 #include "reference/surface_reference.h"
 #include "reference/topology.h"
 #include "stages/bricks.h"
+#include "stages/quality.h"
 #include "support/backend_test.h"
 #include "support/dense_volume.h"
 #include "support/invariants.h"
@@ -166,19 +167,6 @@ TEST_P(BaseSurface, NoLabelsGiveNoTriangles) {
   EXPECT_EQ(mesh.triangle_count(), 0u);
 }
 
-double volume_of(const TriangleMesh& mesh) {
-  double sum = 0;
-  for (std::size_t t = 0; t < mesh.triangles.size(); t += 3) {
-    double p[3][3];
-    for (std::size_t c = 0; c < 3; ++c)
-      for (std::size_t i = 0; i < 3; ++i) p[c][i] = mesh.vertices[3 * mesh.triangles[t + c] + i];
-    sum += p[0][0] * (p[1][1] * p[2][2] - p[1][2] * p[2][1]) -
-           p[0][1] * (p[1][0] * p[2][2] - p[1][2] * p[2][0]) +
-           p[0][2] * (p[1][0] * p[2][1] - p[1][1] * p[2][0]);
-  }
-  return sum / 6;
-}
-
 Geometry oblique(bool mirrored) {
   Geometry geometry;
   geometry.size = {30, 20, 10};
@@ -211,7 +199,7 @@ TEST_P(BaseSurface, PlacedInEachSpaceAndOutwardThere) {
           ASSERT_NEAR(mesh.vertices[3 * v + i], want[i], 1e-6 * std::abs(want[i]) + 1e-6);
         }
       }
-      EXPECT_NEAR(volume_of(mesh), 5 * 2.5 * 6 * 0.5 * 0.75 * 2, 0.01);
+      EXPECT_NEAR(measure_quality(backend(), mesh).volume, 5 * 2.5 * 6 * 0.5 * 0.75 * 2, 0.01);
     }
 }
 

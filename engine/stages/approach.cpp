@@ -244,7 +244,6 @@ TriangleMesh approach(Backend& backend, const FieldView& field, const SizeView& 
                       std::span<const Vec3> points, float farthest, TriangleMesh mesh) {
   if (mesh.triangles.empty()) return mesh;
   std::vector<FarPoint> far = far_points(backend, points, farthest, mesh);
-  std::vector<Vec3> left;
   for (int round = 0; round < kRounds && !far.empty(); ++round) {
     const float least = round < kCarefulRounds ? kSine20 : kSine10;
     const Places places = places_of(far);
@@ -258,9 +257,7 @@ TriangleMesh approach(Backend& backend, const FieldView& field, const SizeView& 
                      for (const FarPoint& point : own) work.draw_to(point);
                    });
     mesh = make_mesh(surface);
-    left.clear();
-    for (const FarPoint& point : far) left.push_back(point.position);
-    far = far_points(backend, left, farthest, mesh);
+    far = far_points(backend, points, farthest, mesh);
   }
   return mesh;
 }

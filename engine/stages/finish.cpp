@@ -8,6 +8,7 @@ namespace {
 
 constexpr float kBlock = 32;  // voxel lengths
 constexpr int kPlainRounds = 1, kRounds = 4;
+constexpr int kFitRounds = 2;
 constexpr int kLastRounds = 4;  // that may follow where triangles with small angles are left
 
 /// Whether a triangle of the part has an angle below 20 degrees.
@@ -53,6 +54,12 @@ void finish(Backend& backend, const RemeshGoal& goal, WorkingSurface& surface) {
                      smooth(part, goal, 1);
                      equalise(part, goal, 8);
                      repair(part, goal, kSine25, 24);
+                   });
+  for (int round = 0; round < kFitRounds; ++round)
+    for_each_block(backend, {kBlock, 0.1f + 0.4f * static_cast<float>(round)}, surface,
+                   [&](PatchMesh& part) {
+                     fit(part, goal, 2);
+                     equalise(part, goal, 4);
                    });
 }
 

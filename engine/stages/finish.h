@@ -2,9 +2,9 @@
 
 /// \file
 /// Finishing of a surface whose edges have the right lengths by and large: flips, tangential
-/// smoothing and moves towards equal edges with re-projection, and repair of the worst triangles
-/// until the least angle holds. The topology stays; no triangle turns away from the surface, and
-/// repairs run into no other triangle.
+/// smoothing and moves towards equal edges with re-projection, repair of the worst triangles until
+/// the least angle holds, and the fit of the triangles to the surface. The topology stays; no
+/// triangle turns away from the surface, and repairs run into no other triangle.
 
 #include <span>
 

@@ -56,6 +56,12 @@ void smooth(PatchMesh& mesh, const RemeshGoal& goal, int passes);
 /// Moves inner vertices to where the triangles round them have edges of more equal lengths.
 void equalise(PatchMesh& mesh, const RemeshGoal& goal, int passes);
 
+/// Moves inner vertices on the surface along their normals until the surface lies, on average over
+/// the triangles round each, as far inside of them as outside: a tube keeps the area of its section.
+/// Only where no triangle comes to meet another. They are off the field then: passes that follow
+/// leave them where they are along their normals.
+void fit(PatchMesh& mesh, const RemeshGoal& goal, int passes);
+
 /// Collapses, flips and moves round the triangles whose least angle has a squared sine below
 /// `wanted`, each only if the least angle there grows and no triangle comes to meet another. Where
 /// angles below 20 degrees stay, the place is relaxed off the field, by 0.4 voxel lengths at most a

@@ -9,7 +9,7 @@ namespace {
 
 constexpr float kLeastSlope = 0.15f;     // of the field a voxel length
 constexpr float kLeastAgreement = 0.5f;  // cosine of the normals before and after
-constexpr float kMostDistance = 0.1f;    // voxel lengths
+constexpr float kMostDistance = 0.3f;    // voxel lengths
 
 /// Whether the field's normal there is of use to a point with the normal `wanted`.
 bool is_of_use(const FieldSample& sample, const Vec3& wanted, float slope) {
