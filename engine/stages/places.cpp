@@ -82,13 +82,18 @@ std::vector<std::uint8_t> vertices_in(Backend& backend, const Places& places,
   return within;
 }
 
-std::vector<CarefulPlace> places_at(std::span<const Vec3> points, float radius, float factor) {
-  std::vector<CarefulPlace> places;
+void add_places(std::span<const Vec3> points, float radius, float factor,
+                std::vector<CarefulPlace>& places) {
   for (const Vec3& p : points)
     if (std::none_of(places.begin(), places.end(), [&](const CarefulPlace& place) {
           return squared_norm(p - place.centre) < 0.25f * (radius * radius);
         }))
       places.push_back({p, radius, factor});
+}
+
+std::vector<CarefulPlace> places_at(std::span<const Vec3> points, float radius, float factor) {
+  std::vector<CarefulPlace> places;
+  add_places(points, radius, factor, places);
   return places;
 }
 

@@ -48,7 +48,11 @@ Places wider(std::span<const CarefulPlace> places, float by);
 std::vector<std::uint8_t> vertices_in(Backend& backend, const Places& places,
                                       const TriangleMesh& mesh);
 
-/// Balls round the points: one for each that no ball before it covers to half its radius.
+/// Adds balls round the points: one for each that no ball before it covers to half its radius.
+void add_places(std::span<const Vec3> points, float radius, float factor,
+                std::vector<CarefulPlace>& places);
+
+/// The same from none.
 std::vector<CarefulPlace> places_at(std::span<const Vec3> points, float radius, float factor);
 
 }  // namespace vasamesh

@@ -32,7 +32,8 @@ constexpr float kCollar = 6;         // beyond that, of the surface that is cut 
 constexpr float kFactors[] = {0.8f, 0.55f, 0.7f,  1,    0.8f, 0.6f, 0.35f, 0.6f,
                               1.3f, 0.25f, 0.8f,  1,    0.5f, 0.7f, 0.9f,  0.9f,
                               0.6f, 0.45f, 0.65f, 1.1f, 0.8f, 0.4f, 0.75f, 0.5f};
-constexpr std::size_t kChain = 3;  // tries
+constexpr std::size_t kChain = 3, kHalf = 12;  // tries
+constexpr float kPart[] = {1, 0.6f};           // of the place's radius, half by half
 constexpr int kAgain = 2;  // that a try is brought near again: one move may leave other points far
 constexpr std::size_t kWork = 3, kLeastWork = 100000;  // of all tries: times the mesh's triangles
 constexpr float kGrowth[] = {1, 1.35f, 1.7f, 2.2f};
@@ -132,7 +133,8 @@ class Settling {
 
   /// Tries to make a place better: chains of tries, each chain from the best so far.
   /// \param work  triangles that may still be worked on; goes down by those that were.
-  void mend(const CarefulPlace& place, std::size_t& work, Settled& settled) const {
+  /// \return the faults left in the place, and near it where they have moved.
+  std::vector<Vec3> mend(const CarefulPlace& place, std::size_t& work, Settled& settled) const {
     const std::span own(&place, 1);
     const float reach = kSpread + place.radius + kReach;
     const Places zone = wider(own, reach + kCollar), reached = wider(own, reach);
@@ -140,7 +142,7 @@ class Settling {
     const TriangleMesh solid =
         part_of(bounds_.solid.all, triangles_in(backend_, zone, bounds_.solid.all));
     TriangleMesh best = part_of(settled.mesh, chosen);
-    if (best.triangles.empty()) return;
+    if (best.triangles.empty()) return {};
     Faults fewest = faults_of(best, solid, reached, {});
     const auto at_first = fewest.counts();
     TriangleMesh mesh;
@@ -150,9 +152,9 @@ class Settling {
         mesh = best;
         faults = fewest;
       }
-      const Places spots = i % kChain == 0 ? Places(own) : wider(own, kSpread);
+      const Places spots = i == 0 ? Places(own) : wider(own, kSpread);
       const std::vector<CarefulPlace> places =
-          places_at(faults.within(spots), place.radius, kFactors[i]);
+          places_at(faults.within(spots), kPart[i / kHalf] * place.radius, kFactors[i]);
       if (places.empty() && i % kChain == 0) break;
       if (places.empty()) continue;
       work -= std::min(work, mesh.triangle_count());
@@ -168,10 +170,11 @@ class Settling {
       best = mesh;
       fewest = faults;
     }
-    if (fewest.counts() == at_first) return;
+    if (fewest.counts() == at_first) return {};
     settled.mesh = with_part(settled.mesh, chosen, best);
     std::erase_if(settled.far, [&](const Vec3& p) { return reached.hold(p, Places::kMargin); });
     settled.far.insert(settled.far.end(), fewest.far.begin(), fewest.far.end());
+    return fewest.within(reached);
   }
 
  private:
@@ -194,9 +197,10 @@ Settled settle(Backend& backend, const FieldView& field, const SizeView& sizes,
       settling.faults_of(settled.mesh, bounds.solid.all, wider(within, kReach), far);
   settled.far = faults.far;
   std::size_t work = kWork * settled.mesh.triangle_count() + kLeastWork;
-  for (const CarefulPlace& place : places_at(faults.within({}), radius, 1)) {
-    if (work == 0) break;
-    settling.mend(place, work, settled);
+  std::vector<CarefulPlace> places = places_at(faults.within({}), radius, 1);
+  for (std::size_t i = 0; i < places.size() && work > 0; ++i) {
+    const CarefulPlace place = places[i];
+    add_places(settling.mend(place, work, settled), radius, 1, places);
   }
   return settled;
 }
