@@ -101,6 +101,15 @@ class Nearest {
   /// The triangle found last.
   std::uint32_t found() const { return tree_.order[last_]; }
 
+  /// Whether all of a triangle is within `limit` of one triangle of the surface: the distance from
+  /// a convex set is largest at a corner.
+  bool is_within(const std::array<Vec3, 3>& corner, std::uint32_t of, double limit) const {
+    const Triangle near = triangle(mesh_, of);
+    return std::all_of(corner.begin(), corner.end(), [&](const Vec3& p) {
+      return squared_distance({p.x, p.y, p.z}, near) <= limit * limit;
+    });
+  }
+
  private:
   void descend(int level, std::size_t node, const float (&p)[3]) {
     float squared[8];
@@ -245,10 +254,12 @@ namespace {
 constexpr float kUnknown = -1;   // distance
 constexpr float kFinest = 0.2f;  // edge length that is not halved any more
 
-/// A triangle with its corners' distances, or bounds of them from above.
+/// A triangle with its corners' distances, or bounds of them from above, and the triangles of the
+/// other surface that are so near.
 struct Sampled {
   std::array<Vec3, 3> corner;
   std::array<float, 3> distance;
+  std::array<std::uint32_t, 3> found;
 };
 
 /// Squared distance from a triangle's corners within which all of it lies, from its squared edges:
@@ -261,19 +272,22 @@ float squared_reach(float a, float b, float c) {
 }
 
 /// Adds the points of a triangle, but its corners, that are farther than `limit`: it is quartered
-/// until no point of it can be, since none is farther than a corner and the way from it.
+/// until no point of it can be, since none is farther than a corner and the way from it, or since
+/// one triangle of the other surface is near enough to all of it.
 void add_points_beyond(const Sampled& whole, float limit, float enough, Nearest& nearest,
                        std::vector<Vec3>& found) {
   std::array<Sampled, 3 * 16> stack;  // 3 a level stay; the edges halve from level to level
   std::size_t size = 0;
   stack[size++] = whole;
   while (size > 0) {
-    const auto [corner, distance] = stack[--size];
+    const auto [corner, distance, near] = stack[--size];
     const float a = squared_norm(corner[1] - corner[0]), b = squared_norm(corner[2] - corner[1]),
                 c = squared_norm(corner[0] - corner[2]);
     const float farthest = std::max({distance[0], distance[1], distance[2]});
     if (farthest + std::sqrt(squared_reach(a, b, c)) <= limit ||
-        std::max({a, b, c}) < kFinest * kFinest || size + 4 > stack.size())
+        std::max({a, b, c}) < kFinest * kFinest || size + 4 > stack.size() ||
+        std::any_of(near.begin(), near.end(),
+                    [&](std::uint32_t t) { return nearest.is_within(corner, t, double{limit}); }))
       continue;
     Sampled middle;
     for (std::size_t i = 0; i < 3; ++i) {
@@ -282,11 +296,13 @@ void add_points_beyond(const Sampled& whole, float limit, float enough, Nearest&
       if (d > limit) found.push_back(p);
       middle.corner[i] = p;
       middle.distance[i] = d;
+      middle.found[i] = nearest.found();
     }
     for (std::size_t i = 0; i < 3; ++i) {
       const std::size_t j = (i + 1) % 3, k = (i + 2) % 3;
       stack[size++] = {{corner[i], middle.corner[k], middle.corner[j]},
-                       {distance[i], middle.distance[k], middle.distance[j]}};
+                       {distance[i], middle.distance[k], middle.distance[j]},
+                       {near[i], middle.found[k], middle.found[j]}};
     }
     stack[size++] = middle;
   }
@@ -298,15 +314,17 @@ std::vector<Vec3> points_beyond(Backend& backend, float limit, const TriangleMes
                                 const TriangleMesh& to, const TriangleTree& tree,
                                 const Places& places) {
   // Bounds that let most triangles go without a look inside.
-  const float enough_at_vertex = 0.1f * limit, enough_inside = 0.3f * limit;
+  const float enough_at_vertex = 0.3f * limit, enough_inside = 0.5f * limit;
   std::vector<float> distances(from.vertex_count(), kUnknown);
+  std::vector<std::uint32_t> near(from.vertex_count());
   backend.run(parts_of(distances.size()), [&](std::size_t part) {
     Nearest nearest(to, tree);
     for (std::size_t v = part * kTriangles; v < part_end(part, distances.size()); ++v) {
       const Vec3 p = vertex_at(from, v);
-      if (places.empty() || places.hold(p, Places::kMargin))
-        distances[v] =
-            static_cast<float>(nearest.distance({p.x, p.y, p.z}, double{enough_at_vertex}));
+      if (!places.empty() && !places.hold(p, Places::kMargin)) continue;
+      distances[v] =
+          static_cast<float>(nearest.distance({p.x, p.y, p.z}, double{enough_at_vertex}));
+      near[v] = nearest.found();
     }
   });
   std::vector<std::vector<Vec3>> parts(parts_of(from.triangle_count()));
@@ -316,7 +334,8 @@ std::vector<Vec3> points_beyond(Backend& backend, float limit, const TriangleMes
       const std::uint32_t* v = from.triangles.data() + 3 * t;
       const Sampled triangle = {
           {vertex_at(from, v[0]), vertex_at(from, v[1]), vertex_at(from, v[2])},
-          {distances[v[0]], distances[v[1]], distances[v[2]]}};
+          {distances[v[0]], distances[v[1]], distances[v[2]]},
+          {near[v[0]], near[v[1]], near[v[2]]}};
       if (std::min({triangle.distance[0], triangle.distance[1], triangle.distance[2]}) != kUnknown)
         add_points_beyond(triangle, limit, enough_inside, nearest, parts[part]);
     }

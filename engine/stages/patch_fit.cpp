@@ -15,7 +15,7 @@ namespace {
 constexpr float kReach = 0.5f;       // voxel lengths from an edge's midpoint to the surface
 constexpr int kSteps = 3;            // of the projection
 constexpr float kMostOfSize = 0.2f;  // that a vertex is moved in a pass
-constexpr float kLeast = 0.005f;     // voxel lengths that are worth a move
+constexpr float kLeast = 0.02f;      // voxel lengths that are worth a move
 
 /// How far the surface lies outside of the midpoint between two points of it, voxel lengths.
 bool find_gap(const FieldView& field, const SurfacePoint& a, const SurfacePoint& b, float& gap) {
