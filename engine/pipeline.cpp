@@ -51,8 +51,9 @@ void take_off(const std::vector<Closing>& closings, Solid& solid, RelabelReport&
 /// Takes a surface from padded voxel units to where it is asked for, and proves it there.
 CheckReport prove(Scheduler& scheduler, const SolidMatch& wanted, TriangleMesh& mesh) {
   scheduler.begin("check", Stage::verify);
-  place_in_space(scheduler.host(), wanted.geometry, wanted.space, mesh);
-  return check_surface(scheduler.host(), mesh, &wanted);
+  Backend& backend = scheduler.backend_for(Stage::verify);
+  place_in_space(backend, wanted.geometry, wanted.space, mesh);
+  return check_surface(backend, mesh, &wanted);
 }
 
 /// The best of the polygonizer's surfaces that pass their proof, with its check and its making in
@@ -152,7 +153,7 @@ Result run_pipeline(const VolumeView& volume, const Parameters& parameters, Sche
       adaptive = proven_surface(polygonizer, scheduler, wanted, report);
   }
   result.mesh = adaptive ? std::move(*adaptive) : proven_base(lattice, scheduler, wanted, report);
-  scheduler.begin("quality", Stage::verify);
+  scheduler.begin("quality", Stage::mesh);
   report.quality = measure_quality(host, result.mesh);
   scheduler.end();
   report.stages = scheduler.take_reports();

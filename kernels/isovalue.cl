@@ -163,11 +163,3 @@ kernel __attribute__((BRICK_GROUP)) void isovalue_divide(float fallback,
     vstore8((above + small * fallback) / (below + small), first + row, numerator);
   }
 }
-
-kernel __attribute__((BRICK_GROUP)) void field_subtract(VIEW(float, a), VIEW(const float, b)) {
-  TAKE(a);
-  TAKE(b);
-  const size_t first = get_group_id(0) * BRICK_ROWS;
-  for (int row = get_local_id(0); row < BRICK_ROWS; row += BRICK_ITEMS)
-    vstore8(vload8(first + row, a) - vload8(first + row, b), first + row, a);
-}

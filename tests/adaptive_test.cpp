@@ -202,7 +202,7 @@ TEST(Adaptive, CancelledInEachOfItsStages) {
   const Phantom phantom = tree_cases(2).back().make();
   Parameters parameters;
   parameters.surface = SurfaceKind::adaptive;
-  for (const char* stage : {"sizes", "remesh", "expand", "stitch", "finish", "check"}) {
+  for (const char* stage : {"sizes", "remesh", "expand", "stitch", "finish", "settle", "check"}) {
     SCOPED_TRACE(stage);
     Context stopping = make_threads(2);
     stopping.progress = [&](std::string_view phase, double) { return phase != stage; };

@@ -11,6 +11,7 @@
 
 #include "reference/exact_intersections.h"
 #include "stages/predicates.h"
+#include "support/backends.h"
 #include "support/broken_meshes.h"
 #include "support/shapes.h"
 #include "tbb/backend.h"
@@ -23,11 +24,37 @@ void PrintTo(const TrianglePair& pair, std::ostream* out) {
 
 namespace {
 
-Intersections find(const TriangleMesh& mesh, int threads = 2) {
-  const auto backend = make_tbb_backend(threads, nullptr);
+/// Of the triangles that are not degenerate.
+TriangleTree tree_of(const TriangleMesh& mesh) {
+  const auto host = make_tbb_backend(2, nullptr);
   std::vector<std::uint8_t> keep(mesh.triangle_count());
   for (std::uint32_t t = 0; t < keep.size(); ++t) keep[t] = !is_degenerate(mesh, t);
-  return find_intersections(*backend, mesh, build_triangle_tree(*backend, mesh, keep));
+  return build_triangle_tree(*host, mesh, keep);
+}
+
+/// All that there are here.
+const std::vector<std::shared_ptr<Backend>>& backends() {
+  static const std::vector<std::shared_ptr<Backend>> opened = [] {
+    std::vector<std::shared_ptr<Backend>> some;
+    for (const std::string& name : backend_names())
+      if (auto backend = open_backend(name)) some.push_back(std::move(backend));
+    return some;
+  }();
+  return opened;
+}
+
+/// The same on every backend.
+Intersections find(const TriangleMesh& mesh) {
+  const TriangleTree tree = tree_of(mesh);
+  const Intersections found = find_intersections(*backends()[0], mesh, tree);
+  const std::vector<TrianglePair> candidates = candidate_pairs(*backends()[0], mesh, tree);
+  for (const auto& backend : backends()) {
+    const Intersections again = find_intersections(*backend, mesh, tree);
+    EXPECT_EQ(again.count, found.count) << backend->name();
+    EXPECT_EQ(again.pairs, found.pairs) << backend->name();
+    EXPECT_EQ(candidate_pairs(*backend, mesh, tree), candidates) << backend->name();
+  }
+  return found;
 }
 
 /// Triangles between random vertices of a mesh that has none yet.
@@ -132,6 +159,13 @@ TEST(Intersect, CleanShapesHaveNone) {
   EXPECT_EQ(find(TriangleMesh{}).count, 0);
 }
 
+TEST(Intersect, FewPairsAreLeftToExactPredicates) {
+  for (const TriangleMesh& mesh : {sphere(20, 5), moved(torus(5, 2, 150, 70), {300, -200, 100})}) {
+    const std::size_t left = candidate_pairs(*backends()[0], mesh, tree_of(mesh)).size();
+    EXPECT_LT(left, mesh.triangle_count() / 100);
+  }
+}
+
 TEST(Intersect, TreeFindsWhatAllPairsFind) {
   const TriangleMesh mesh = joined(torus(5, 2, 37, 19), moved(sphere(3, 3), {4, 1, 0.5f}));
   std::vector<TrianglePair> wanted;
@@ -144,7 +178,9 @@ TEST(Intersect, TreeFindsWhatAllPairsFind) {
 
 TEST(Intersect, SameListForAnyNumberOfThreads) {
   const TriangleMesh mesh = joined(torus(5, 2, 201, 83), moved(torus(5, 2, 150, 71), {3, 0, 1}));
-  const Intersections one = find(mesh, 1), two = find(mesh, 2);
+  const TriangleTree tree = tree_of(mesh);
+  const Intersections one = find_intersections(*make_tbb_backend(1, nullptr), mesh, tree);
+  const Intersections two = find_intersections(*make_tbb_backend(2, nullptr), mesh, tree);
   EXPECT_EQ(one.count, two.count);
   EXPECT_EQ(one.pairs, two.pairs);
   EXPECT_EQ(one.pairs.size(), Intersections::kMostListed);

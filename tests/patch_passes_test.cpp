@@ -7,11 +7,14 @@
 
 #include <array>
 #include <cmath>
+#include <memory>
 
 #include "stages/patch_clearance.h"
 #include "stages/patch_rules.h"
+#include "stages/relax.h"
 #include "support/analytic_field.h"
 #include "support/shapes.h"
+#include "tbb/backend.h"
 #include "types/mesh_vertex.h"
 
 namespace vasamesh::test {
@@ -48,7 +51,21 @@ class PatchPasses : public ::testing::Test {
   RemeshGoal goal(float size) {
     return {field_.view(), field_.sizes(size / RemeshGoal::kLengthFactor), nullptr, false};
   }
+  void smooth(PatchMesh& patch, int passes) {
+    const RemeshGoal wanted = goal(1);
+    Relaxer(backend(), wanted).smooth(std::array{&patch}, passes);
+  }
+  void equalise(PatchMesh& patch, int passes) {
+    const RemeshGoal wanted = goal(1);
+    Relaxer(backend(), wanted).equalise(std::array{&patch}, passes);
+  }
+
+  Backend& backend() { return *backend_; }
+
   AnalyticField field_ = plane_field(16, kHeight);
+
+ private:
+  std::shared_ptr<Backend> backend_ = make_tbb_backend(1, nullptr);
 };
 
 std::size_t triangles(const PatchMesh& patch) {
@@ -131,7 +148,7 @@ TEST_F(PatchPasses, AFlipThatTurnsATriangleIsRefused) {
 
 TEST_F(PatchPasses, SmoothingCentresAVertex) {
   PatchMesh patch = wheel(6, {8.3f, 8.2f, kHeight}, 1, 1);
-  smooth(patch, goal(1), 6);
+  smooth(patch, 6);
   EXPECT_NEAR(patch.points[0].position.x, 8, 0.05);
   EXPECT_NEAR(patch.points[0].position.y, 8, 0.05);
   EXPECT_NEAR(patch.points[0].position.z, kHeight, 1e-3);
@@ -141,14 +158,14 @@ TEST_F(PatchPasses, SmoothingMovesABorderAlongItself) {
   // The middle of the lower side of a strip, off its place both along the side and across it.
   PatchMesh patch = flat_patch({{7, 8, 8}, {8.3f, 8.1f, 8}, {9, 8, 8}, {7.5f, 9, 8}, {8.5f, 9, 8}},
                                {0, 1, 3, 1, 4, 3, 1, 2, 4}, 1, {0, 1, 0, 0, 0});
-  smooth(patch, goal(1), 1);
+  smooth(patch, 1);
   EXPECT_NEAR(patch.points[1].position.x, 8.15f, 0.01f);
   EXPECT_NEAR(patch.points[1].position.y, 8.05f, 0.01f);
 }
 
 TEST_F(PatchPasses, EqualiseRaisesTheLeastEdgeRatio) {
   PatchMesh patch = wheel(6, {8.25f, 8, kHeight}, 1, 1);
-  equalise(patch, goal(1), 8);
+  equalise(patch, 8);
   float least = 1;
   patch.for_each_out(0, [&](std::uint32_t h) {
     const float l = norm(patch.points[patch.target(h)].position - patch.points[0].position);
@@ -192,6 +209,51 @@ TEST_F(PatchPasses, AMoveIntoAnotherSheetIsRefused) {
   EXPECT_EQ(patch.points[0].position.z, 8.05f);
 }
 
+float least_sine_in(const PatchMesh& patch) {
+  float least = 1;
+  for (std::uint32_t h = 0; h < patch.half_edge_end(); h += 4)
+    if (patch.is_edge(h))
+      least =
+          std::min(least, least_sine(patch.points[patch.origin(h)], patch.points[patch.target(h)],
+                                     patch.points[patch.apex(h)]));
+  return least;
+}
+
+TEST_F(PatchPasses, SmallAnglesGetWiderWhateverTheTrianglesFace) {
+  for (const float up : {1.0f, -1.0f}) {
+    PatchMesh patch = wheel(7, {8.85f, 8, kHeight}, 1, 1);
+    for (SurfacePoint& point : patch.points) point.normal = {0, 0, up};
+    ASSERT_LT(least_sine_in(patch), kSine20);
+    widen_angles(patch, 4);
+    EXPECT_GE(least_sine_in(patch), kSine20);
+  }
+}
+
+TEST_F(PatchPasses, ATurnedEdgeMayFoldNoTriangle) {
+  // Turning the edge between the first two would lay one triangle over the other.
+  const std::vector<Vec3> places = {{8, 8, 8}, {10, 8, 8}, {10.4f, 8.3f, 8}, {10.4f, 7.7f, 8}};
+  PatchMesh patch = flat_patch(places, {0, 1, 2, 1, 0, 3}, 1, {0, 0, 0, 0});
+  ASSERT_LT(least_sine_in(patch), kSine20);
+  widen_angles(patch, 4);
+  EXPECT_EQ(patch.origin(0), 0u);
+  EXPECT_EQ(patch.target(0), 1u);
+}
+
+TEST_F(PatchPasses, AnEdgeTurnsOnlyWhereItMeetsNothing) {
+  // A tent over (0, 1), and a triangle through the place of the edge (2, 3) below it.
+  std::vector<Vec3> places = {{7, 8, 8.5f}, {9, 8, 8.5f}, {8, 9, 8}, {8, 7, 8}};
+  std::vector<std::uint32_t> corners = {0, 1, 2, 1, 0, 3};
+  PatchMesh clear = flat_patch(places, corners, 1);
+  Clearance above(clear);
+  EXPECT_TRUE(above.flip_if_clear(clear, 0));
+  places.insert(places.end(), {{7.9f, 8, 7.5f}, {8.1f, 8, 7.5f}, {8, 8, 8.3f}});
+  corners.insert(corners.end(), {4, 5, 6});
+  PatchMesh blocked = flat_patch(places, corners, 1);
+  Clearance clearance(blocked);
+  EXPECT_FALSE(clearance.flip_if_clear(blocked, 0));
+  EXPECT_EQ(blocked.target(0), 1u);
+}
+
 /// A polyhedron of equal triangles with its vertices on a sphere about (8, 8, 8).
 PatchMesh ball(const TriangleMesh& mesh, float size) {
   std::vector<SurfacePoint> points;
@@ -209,7 +271,7 @@ TEST_F(PatchPasses, FitPutsTheMiddlesOfEdgesOnTheSurface) {
   AnalyticField field = sphere_field(16, {8, 8, 8}, kRadius);
   const RemeshGoal round = {field.view(), field.sizes(2), nullptr, false};
   PatchMesh patch = ball(sphere(kRadius, 0), 2);
-  fit(patch, round, 3);
+  Relaxer(backend(), round).fit(std::array{&patch}, 3);
   // Edges of an icosahedron are seen from its centre under 63.4 degrees.
   const double expected = kRadius / std::cos(std::atan(2) / 2);
   for (std::uint32_t v = 0; v < patch.vertex_count(); ++v) {
@@ -227,7 +289,7 @@ TEST_F(PatchPasses, FitLeavesRelaxedAndStrayVertices) {
   patch.points[3].on_field = false;  // too far out
   patch.points[3].position = Vec3{8, 8, 8} + 2.6f * patch.points[3].normal;
   const Vec3 relaxed = patch.points[0].position, stray = patch.points[3].position;
-  fit(patch, round, 1);
+  Relaxer(backend(), round).fit(std::array{&patch}, 1);
   EXPECT_EQ(patch.points[0].position, relaxed);
   EXPECT_EQ(patch.points[3].position, stray);
 }

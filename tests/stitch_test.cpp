@@ -19,6 +19,7 @@
 #include "support/invariants.h"
 #include "support/shapes.h"
 #include "tbb/backend.h"
+#include "types/angles.h"
 #include "vasamesh/errors.h"
 
 namespace vasamesh::test {
@@ -214,7 +215,7 @@ TEST(GapLoops, AnglesWithinTheirBound) {
     const double angle = std::numbers::pi * (i + 0.5) / 1001;
     EXPECT_NEAR(
         angle_of(static_cast<float>(3 * std::cos(angle)), static_cast<float>(3 * std::sin(angle))),
-        angle, 2e-4);
+        angle, 2e-5);
   }
   EXPECT_EQ(angle_of(0, 0), 0);
 }

@@ -1,5 +1,6 @@
 /// \file
-/// The dynamic programming over a gap against all of its triangulations.
+/// The dynamic programming over a gap against all of its triangulations; the pass over many gaps
+/// on every backend against it.
 
 #include "stages/triangulate_gap.h"
 
@@ -13,6 +14,7 @@
 
 #include "reference/gap_reference.h"
 #include "support/analytic_field.h"
+#include "support/backend_test.h"
 
 namespace vasamesh::test {
 namespace {
@@ -199,6 +201,91 @@ TEST(TriangulateGap, LargePolygonsAndReuse) {
   EXPECT_TRUE(std::equal(triangulator.triangles().begin(), triangulator.triangles().end(),
                          fresh.triangles().begin(), fresh.triangles().end()));
 }
+
+/// Polygons in flat arrays of a backend.
+struct Batch {
+  Batch(Backend& backend, const std::vector<Polygon>& polygons, bool with_across) {
+    std::vector<std::uint32_t> firsts{0}, chord_firsts{0};
+    std::vector<Vec3> all_points, all_normals, all_across;
+    std::vector<std::uint8_t> all_chords;
+    const auto append = [](auto& all, const auto& some) {
+      all.insert(all.end(), some.begin(), some.end());
+    };
+    for (const Polygon& polygon : polygons) {
+      append(all_points, polygon.points);
+      append(all_normals, polygon.normals);
+      if (with_across) append(all_across, polygon.across);
+      append(all_chords, polygon.chords);
+      firsts.push_back(static_cast<std::uint32_t>(all_points.size()));
+      chord_firsts.push_back(static_cast<std::uint32_t>(all_chords.size()));
+    }
+    first = to_backend(backend, firsts);
+    chord_first = to_backend(backend, chord_firsts);
+    points = to_backend(backend, all_points);
+    normals = to_backend(backend, all_normals);
+    across = to_backend(backend, all_across);
+    chords = to_backend(backend, all_chords);
+  }
+  GapView view() {
+    return {first.view(),   chord_first.view(), points.view(),
+            normals.view(), across.view(),      chords.view()};
+  }
+
+  Buffer<std::uint32_t> first, chord_first;
+  Buffer<Vec3> points, normals, across;
+  Buffer<std::uint8_t> chords;
+};
+
+class TriangulateGaps : public BackendTest {
+ protected:
+  /// All at once as each alone. \return how many have a triangulation.
+  std::size_t expect_as_alone(const std::vector<Polygon>& polygons, const GapRules& rules,
+                              StitchMode mode) {
+    Batch batch(backend(), polygons, mode == StitchMode::paper);
+    const std::size_t corners = batch.points.size();
+    Buffer<std::uint8_t> closed(backend(), polygons.size());
+    Buffer<std::uint16_t> triangles(backend(), 3 * (corners - 2 * polygons.size()));
+    backend().stitch_triangulate(rules, mode, batch.view(), closed.view(), triangles.view());
+    const auto is_closed = to_host(backend(), closed.view());
+    const auto all = to_host(backend(), triangles.view());
+    GapTriangulator triangulator;
+    std::size_t at = 0, found = 0;
+    for (std::size_t g = 0; g < polygons.size(); ++g) {
+      const bool wanted = triangulator.run(polygons[g].view(), rules, mode);
+      EXPECT_EQ(is_closed[g], wanted) << g;
+      found += wanted;
+      if (wanted) {
+        EXPECT_TRUE(std::equal(triangulator.triangles().begin(), triangulator.triangles().end(),
+                               all.begin() + static_cast<std::ptrdiff_t>(at)))
+            << g << ", of " << polygons[g].size() << " corners";
+      }
+      at += 3 * (polygons[g].size() - 2);
+    }
+    EXPECT_EQ(at, all.size());
+    return found;
+  }
+};
+
+TEST_P(TriangulateGaps, OfAllSizesAsEachAlone) {
+  std::vector<Polygon> polygons;
+  for (const int corners : {150, 70, 33, 33, 32, 17, 16, 12, 9, 8, 7, 6, 5, 4, 4, 3, 3, 40, 5})
+    for (unsigned seed = 0; seed < 3; ++seed)
+      polygons.push_back(random_polygon(corners, 100 + seed));
+  for (const StitchMode mode : {StitchMode::exact, StitchMode::paper}) {
+    const std::size_t strict = expect_as_alone(polygons, rules(0.5f), mode);
+    const std::size_t lax = expect_as_alone(polygons, rules(-0.3f), mode);
+    EXPECT_GT(strict, 15u);
+    EXPECT_GT(lax, strict);
+  }
+}
+
+TEST_P(TriangulateGaps, None) {
+  EXPECT_EQ(expect_as_alone({}, rules(), StitchMode::exact), 0u);
+  EXPECT_EQ(expect_as_alone({}, rules(), StitchMode::paper), 0u);
+}
+
+INSTANTIATE_TEST_SUITE_P(Backends, TriangulateGaps, ::testing::ValuesIn(backend_names()),
+                         test_name);
 
 TEST(LeastAngleMeasure, OrdersAsTheAngle) {
   EXPECT_FLOAT_EQ(least_angle_measure(1, 1, 1), 0.25f);

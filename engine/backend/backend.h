@@ -20,18 +20,35 @@
 #include "backend/buffer.h"
 #include "backend/byte_account.h"
 #include "types/bricks.h"
+#include "types/fans.h"
+#include "types/gaps.h"
 #include "types/indicator_field.h"
 #include "types/lattice.h"
 #include "types/octree.h"
 #include "types/point_cloud.h"
+#include "types/sizes.h"
+#include "types/triangle_boxes.h"
 #include "types/vec3.h"
 #include "types/volume.h"
+#include "vasamesh/parameters.h"
 #include "vasamesh/types.h"
 
 namespace vasamesh {
 
 /// The stages that a backend may offer.
-enum class Stage { points, normals, octree, poisson, lattice, surface, sizing, mesh, verify };
+enum class Stage {
+  points,
+  normals,
+  octree,
+  poisson,
+  lattice,
+  surface,
+  sizing,
+  stitch,
+  relax,
+  verify,
+  mesh  ///< what only the host does
+};
 
 /// What a device was given to do, and what was copied to and from it.
 struct Traffic {
@@ -334,6 +351,45 @@ class Backend : public Memory {
   /// within half a voxel length the position stays, and normal and radius are zero.
   virtual void sizing_measure(const FieldView& field, View<Vec3> positions, View<Vec3> normals,
                               View<float> radii) = 0;
+
+  // --- Gaps (engine/stages/triangulate_gap.h). ---------------------------------------------------
+
+  /// Triangulates each gap by itself (GapTriangulator): closed[g] = 1 where a triangulation obeys
+  /// the rules, else 0; its n - 2 triangles, three corners of the gap each, go to triangles[3 t],
+  /// t = first[g] - 2 g and on. Those of gaps that stay open are undefined.
+  virtual void stitch_triangulate(const GapRules& rules, StitchMode mode, const GapView& gaps,
+                                  View<std::uint8_t> closed, View<std::uint16_t> triangles) = 0;
+
+  // --- Relaxation (engine/stages/fan_moves.h).
+  // ----------------------------------------------------
+
+  /// Smooths the vertices of each part, level by level, `passes` times (smooth_vertex). All lie on
+  /// the field.
+  virtual void relax_smooth(const FieldView& field, const SizeView& sizes, const PlaceView& places,
+                            const FanView& fans, int passes, View<SurfacePoint> points) = 0;
+
+  /// Moves those vertices towards equal edges (find_more_equal), likewise. None is on a border.
+  virtual void relax_equalise(const FieldView& field, const SizeView& sizes,
+                              const PlaceView& places, const FanView& fans, int passes,
+                              View<SurfacePoint> points) = 0;
+
+  /// gaps = how far the surface lies outside of the triangles round each fan's vertex (mean_gap).
+  /// None is on a border.
+  virtual void relax_gaps(const FieldView& field, const FanView& fans,
+                          View<const SurfacePoint> points, View<float> gaps) = 0;
+
+  // --- Proof (engine/stages/candidate_pairs.h).
+  // ---------------------------------------------------
+
+  /// Pairs of triangles that may intersect (PairSearch): counts[leaf] = those of a leaf's triangles
+  /// with its own and later leaves'.
+  virtual void verify_count_pairs(const MeshView& mesh, const TreeView& tree,
+                                  View<std::uint32_t> counts) = 0;
+
+  /// Writes them, two triangles each, from pairs[2 * starts[leaf]] on; starts: scan of the counts.
+  virtual void verify_collect_pairs(const MeshView& mesh, const TreeView& tree,
+                                    View<const std::uint32_t> starts,
+                                    View<std::uint32_t> pairs) = 0;
 
  private:
   /// on_host() for a whole allocation, which the host may write when `writes`.

@@ -8,6 +8,7 @@
 #include <span>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 namespace vasamesh {
 
@@ -30,6 +31,12 @@ struct View {
   }
   operator View<const T>() const requires(!std::is_const_v<T>) { return {handle, offset, size}; }
 };
+
+/// What lies in the host's memory, for passes that only read it.
+template <class T>
+View<const T> view_of(const std::vector<T>& values) {
+  return {const_cast<T*>(values.data()), 0, values.size()};
+}
 
 /// Where buffers come from. Counts what it gives out.
 class Memory {

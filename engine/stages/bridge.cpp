@@ -5,6 +5,8 @@
 #include <tuple>
 #include <utility>
 
+#include "types/angles.h"
+
 namespace vasamesh {
 
 namespace {

@@ -8,7 +8,7 @@
 #include <set>
 #include <tuple>
 
-#include "stages/gap_loops.h"
+#include "types/angles.h"
 #include "types/mesh_vertex.h"
 
 namespace vasamesh {

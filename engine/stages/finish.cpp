@@ -1,6 +1,9 @@
 #include "stages/finish.h"
 
+#include <vector>
+
 #include "stages/patch_rules.h"
+#include "stages/relax.h"
 
 namespace vasamesh {
 
@@ -28,39 +31,50 @@ bool any_poor(const WorkingSurface& surface) {
   return false;
 }
 
+void flip_parts(Backend& backend, std::span<PatchMesh* const> parts) {
+  for_each_part(backend, parts, [](PatchMesh& part) { flip_to_angle(part, 3); });
+}
+
 }  // namespace
 
 void finish(Backend& backend, const RemeshGoal& goal, WorkingSurface& surface) {
-  for (int round = 0; round < kRounds; ++round)
-    for_each_block(backend, {kBlock, 0.1f + 0.25f * static_cast<float>(round)}, surface,
-                   [&](PatchMesh& part) {
-                     flip_to_angle(part, 3);
-                     if (round < kPlainRounds) {
-                       smooth(part, goal, 2);
-                       repair(part, goal, kSine20, 2);
-                       return;
-                     }
-                     smooth(part, goal, 1);
-                     equalise(part, goal, 4);
-                     repair(part, goal, kSine40, 3);
-                     equalise(part, goal, 4);
-                     repair(part, goal, kSine25, 24);
-                   });
-  for (int round = 0; round < kLastRounds && any_poor(surface); ++round)
-    for_each_block(backend, {kBlock, 0.23f * static_cast<float>(round)}, surface,
-                   [&](PatchMesh& part) {
-                     if (!any_poor(part)) return;
-                     flip_to_angle(part, 3);
-                     smooth(part, goal, 1);
-                     equalise(part, goal, 8);
-                     repair(part, goal, kSine25, 24);
-                   });
-  for (int round = 0; round < kFitRounds; ++round)
-    for_each_block(backend, {kBlock, 0.1f + 0.4f * static_cast<float>(round)}, surface,
-                   [&](PatchMesh& part) {
-                     fit(part, goal, 2);
-                     equalise(part, goal, 4);
-                   });
+  Relaxer relaxer(backend, goal);
+  for (int round = 0; round < kRounds; ++round) {
+    SurfaceBlocks blocks(backend, {kBlock, 0.1f + 0.25f * static_cast<float>(round)}, surface);
+    const std::vector<PatchMesh*> parts = blocks.parts();
+    const auto repair_parts = [&](float wanted, int passes) {
+      for_each_part(backend, parts, [&](PatchMesh& part) { repair(part, goal, wanted, passes); });
+    };
+    flip_parts(backend, parts);
+    if (round < kPlainRounds) {
+      relaxer.smooth(parts, 2);
+      repair_parts(kSine20, 2);
+    } else {
+      relaxer.smooth(parts, 1);
+      relaxer.equalise(parts, 4);
+      repair_parts(kSine40, 3);
+      relaxer.equalise(parts, 4);
+      repair_parts(kSine25, 24);
+    }
+    blocks.join();
+  }
+  for (int round = 0; round < kLastRounds && any_poor(surface); ++round) {
+    SurfaceBlocks blocks(backend, {kBlock, 0.23f * static_cast<float>(round)}, surface);
+    std::vector<PatchMesh*> parts = blocks.parts();
+    std::erase_if(parts, [](const PatchMesh* part) { return !any_poor(*part); });
+    flip_parts(backend, parts);
+    relaxer.smooth(parts, 1);
+    relaxer.equalise(parts, 8);
+    for_each_part(backend, parts, [&](PatchMesh& part) { repair(part, goal, kSine25, 24); });
+    blocks.join();
+  }
+  for (int round = 0; round < kFitRounds; ++round) {
+    SurfaceBlocks blocks(backend, {kBlock, 0.1f + 0.4f * static_cast<float>(round)}, surface);
+    const std::vector<PatchMesh*> parts = blocks.parts();
+    relaxer.fit(parts, 2);
+    relaxer.equalise(parts, 4);
+    blocks.join();
+  }
 }
 
 void fix_places(const RemeshGoal& goal, WorkingSurface& surface) {

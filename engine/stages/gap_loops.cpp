@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 #include "stages/adjacency.h"
+#include "types/angles.h"
 #include "types/mesh_vertex.h"
 #include "vasamesh/errors.h"
 
@@ -168,19 +168,6 @@ GapLoops find_gap_loops(Backend& backend, const TriangleMesh& mesh) {
     loops.first.push_back(static_cast<std::uint32_t>(loops.vertex.size()));
   }
   return loops;
-}
-
-float angle_of(float x, float y) {
-  constexpr float kHalfPi = 1.57079632679f, kPi = 3.14159265359f;
-  const float ax = std::abs(x), ay = std::abs(y);
-  const float large = std::max(ax, ay), small = std::min(ax, ay);
-  if (!(large > 0)) return 0;
-  // arc tangent on [0, 1]: the odd polynomial of degree 7 of least maximal error
-  const float t = small / large, s = t * t;
-  float angle = t + t * s * (-0.32623702f + s * (0.15531277f + s * -0.04381065f));
-  if (ay > ax) angle = kHalfPi - angle;
-  if (x < 0) angle = kPi - angle;
-  return y < 0 ? -angle : angle;
 }
 
 float turning(std::span<const Vec3> points, std::span<const Vec3> normals) {

@@ -36,11 +36,8 @@ struct GapLoops {
 GapLoops find_gap_loops(Backend& backend, const TriangleMesh& mesh);
 
 /// The sum of the signed angles by which a loop turns to the left, each in the tangent plane of its
-/// corner, in radians: 2 pi for a loop round a flat gap, 0 for one round a tube. Within 0.0002 a
+/// corner, in radians: 2 pi for a loop round a flat gap, 0 for one round a tube. Within 0.0001 a
 /// corner. `points` and outward `normals`: one a corner.
 float turning(std::span<const Vec3> points, std::span<const Vec3> normals);
-
-/// The angle of (x, y) from the x axis, -pi to pi, within 0.0002; 0 for the zero vector.
-float angle_of(float x, float y);
 
 }  // namespace vasamesh

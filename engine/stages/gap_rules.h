@@ -6,23 +6,13 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "types/gaps.h"
 #include "types/indicator_field.h"
 #include "types/mesh_vertex.h"
 #include "types/vec3.h"
 #include "vasamesh/types.h"
 
 namespace vasamesh {
-
-struct GapRules {
-  FieldView field;
-  /// The least cosine between a triangle's normal and the surface's at its corners,
-  float least_cosine = 0.5f;
-  /// and at its middle.
-  float middle_cosine = 0.5f;
-  /// How far the middle of a chord, or of a triangle, may be from the surface, over its (longest)
-  /// length.
-  float reach = 0.35f;
-};
 
 /// The square of the cosine of a triangle's least angle, from the squares of its edges: 1/4 for an
 /// equilateral triangle, growing to 1 as the least angle goes to 0. The least angle lies across

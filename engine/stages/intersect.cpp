@@ -12,7 +12,7 @@ namespace vasamesh {
 
 namespace {
 
-constexpr std::size_t kLeaves = 512;  // leaf nodes a task takes
+constexpr std::size_t kPairs = 256;  // pairs a task takes
 
 // ---- Dismissal in double. Each function says true only where it is certain.
 // ----------------------
@@ -235,51 +235,26 @@ void keep_lowest(std::vector<TrianglePair>& pairs) {
   if (pairs.size() > Intersections::kMostListed) pairs.resize(Intersections::kMostListed);
 }
 
-/// What one task finds.
-class Search {
+/// The tree's levels one after the other in a backend's memory.
+class FlatTree {
  public:
-  Search(const TriangleMesh& mesh, const TriangleTree& tree) : mesh_(mesh), tree_(tree) {}
-
-  Intersections found;
-
-  /// The pairs of a leaf's triangles with those of itself and of later leaves.
-  void search_leaf(std::size_t leaf) {
-    size_ = 0;
-    const BoxNode& node = tree_.levels[0][leaf];
-    for_each_leaf(tree_, box_of(node), leaf, [&](std::size_t other) { collect(leaf, other); });
-    for (std::size_t i = 0; i < size_; ++i) {
-      const auto [a, b] = candidates_[i];
-      if (!triangles_intersect(mesh_, a, b)) continue;
-      ++found.count;
-      found.pairs.push_back({std::min(a, b), std::max(a, b)});
-    }
-    if (found.pairs.size() > 4 * Intersections::kMostListed) keep_lowest(found.pairs);
+  FlatTree(Backend& backend, const TriangleTree& tree) : order_(tree.order) {
+    std::vector<std::uint32_t> first{0};
+    for (const std::vector<BoxNode>& level : tree.levels)
+      first.push_back(first.back() + static_cast<std::uint32_t>(level.size()));
+    level_first_ = Buffer<std::uint32_t>(backend, first.size());
+    backend.upload<std::uint32_t>(level_first_.view(), first);
+    nodes_ = Buffer<BoxNode>(backend, first.back());
+    for (std::size_t i = 0; i < tree.levels.size(); ++i)
+      backend.upload<BoxNode>(nodes_.view().subview(first[i], tree.levels[i].size()),
+                              tree.levels[i]);
   }
+  TreeView view() const { return {view_of(order_), nodes_.view(), level_first_.view()}; }
 
  private:
-  /// Appends the pairs whose boxes meet. All eight are written and those that count are kept: a
-  /// branch on each would be mispredicted more often than not.
-  void collect(std::size_t leaf, std::size_t other) {
-    const BoxNode& node = tree_.levels[0][leaf];
-    std::uint32_t others[8];
-    for (std::size_t j = 0; j < 8; ++j)
-      others[j] = tree_.order[std::min(8 * other + j, tree_.order.size() - 1)];
-    if (candidates_.size() < size_ + 72) candidates_.resize(2 * size_ + 72);
-    const std::size_t count = std::min<std::size_t>(8, tree_.order.size() - 8 * leaf);
-    for (std::size_t i = 0; i < count; ++i) {
-      unsigned hits = meeting(tree_.levels[0][other], box_of(node, static_cast<int>(i)));
-      if (other == leaf) hits &= ~((2u << i) - 1);
-      for (int j = 0; j < 8; ++j) {
-        candidates_[size_] = {tree_.order[8 * leaf + i], others[j]};
-        size_ += hits >> j & 1;
-      }
-    }
-  }
-
-  const TriangleMesh& mesh_;
-  const TriangleTree& tree_;
-  std::vector<TrianglePair> candidates_;
-  std::size_t size_ = 0;  // of the candidates
+  const std::vector<std::uint32_t>& order_;
+  Buffer<BoxNode> nodes_;
+  Buffer<std::uint32_t> level_first_;
 };
 
 }  // namespace
@@ -309,21 +284,40 @@ bool triangles_intersect(const NamedTriangle& a, const NamedTriangle& b) {
   }
 }
 
+std::vector<TrianglePair> candidate_pairs(Backend& backend, const TriangleMesh& mesh,
+                                          const TriangleTree& tree) {
+  if (tree.empty()) return {};
+  const MeshView surface = {view_of(mesh.vertices), view_of(mesh.triangles)};
+  const FlatTree flat(backend, tree);
+  Buffer<std::uint32_t> starts(backend, tree.levels[0].size() + 1);
+  const View<std::uint32_t> counts = starts.view().subview(0, tree.levels[0].size());
+  backend.verify_count_pairs(surface, flat.view(), counts);
+  const std::size_t count = backend.exclusive_scan(counts, starts.view());
+  Buffer<std::uint32_t> found(backend, 2 * count);
+  if (count > 0)
+    backend.verify_collect_pairs(surface, flat.view(), std::as_const(starts).view(), found.view());
+  std::vector<TrianglePair> pairs(count);
+  const auto corners = backend.on_host(std::as_const(found).view());
+  for (std::size_t i = 0; i < count; ++i)
+    pairs[i] = {std::min(corners[2 * i], corners[2 * i + 1]),
+                std::max(corners[2 * i], corners[2 * i + 1])};
+  return pairs;
+}
+
 Intersections find_intersections(Backend& backend, const TriangleMesh& mesh,
                                  const TriangleTree& tree) {
   Intersections result;
-  if (tree.empty()) return result;
-  const std::size_t leaves = tree.levels[0].size();
-  std::vector<Intersections> parts((leaves + kLeaves - 1) / kLeaves);
+  const std::vector<TrianglePair> pairs = candidate_pairs(backend, mesh, tree);
+  std::vector<std::vector<TrianglePair>> parts((pairs.size() + kPairs - 1) / kPairs);
   backend.run(parts.size(), [&](std::size_t part) {
-    Search search(mesh, tree);
-    for (std::size_t leaf = part * kLeaves; leaf < std::min((part + 1) * kLeaves, leaves); ++leaf)
-      search.search_leaf(leaf);
-    parts[part] = std::move(search.found);
+    const std::size_t end = std::min((part + 1) * kPairs, pairs.size());
+    for (std::size_t i = part * kPairs; i < end; ++i)
+      if (triangles_intersect(mesh, pairs[i].first, pairs[i].second))
+        parts[part].push_back(pairs[i]);
   });
-  for (const Intersections& part : parts) {
-    result.count += part.count;
-    result.pairs.insert(result.pairs.end(), part.pairs.begin(), part.pairs.end());
+  for (const std::vector<TrianglePair>& part : parts) {
+    result.count += static_cast<std::int64_t>(part.size());
+    result.pairs.insert(result.pairs.end(), part.begin(), part.end());
   }
   keep_lowest(result.pairs);
   return result;

@@ -2,9 +2,9 @@
 
 /// \file
 /// Self-intersections of a triangle surface, by exact decisions: pairs of triangles that have more
-/// in common than the vertices or the edge that they share by index. Boxes find the candidates,
-/// separating planes in double with an error bound dismiss nearly all of them, exact predicates
-/// decide the rest.
+/// in common than the vertices or the edge that they share by index. A pass of the backend finds
+/// the candidates and dismisses nearly all of them (candidate_pairs.h); of the rest, separating
+/// planes in double with an error bound dismiss what they can, and exact predicates decide.
 ///
 /// Gottschalk, Lin, Manocha: OBBTree, 1996 (separating axes); Guigue, Devillers: Fast and robust
 /// triangle-triangle overlap test using orientation predicates, 2003.
@@ -42,6 +42,10 @@ struct NamedTriangle {
 
 /// The same for two of these.
 bool triangles_intersect(const NamedTriangle& a, const NamedTriangle& b);
+
+/// The pairs that the backend's passes leave: all that intersect, and few others.
+std::vector<TrianglePair> candidate_pairs(Backend& backend, const TriangleMesh& mesh,
+                                          const TriangleTree& tree);
 
 /// Every intersecting pair. Degenerate triangles and those with a vertex that is not finite take
 /// no part: the tree leaves them out.

@@ -110,11 +110,11 @@ struct Part {
   std::vector<SurfacePoint> added;
 };
 
-/// Takes a block out of the surface, works on it, and writes its vertices back.
-Part work_on(WorkingSurface& surface, const std::vector<std::uint32_t>& degree,
-             const Division& division, std::size_t b, const std::function<void(PatchMesh&)>& work) {
+/// Takes a block out of the surface. \param degree  triangles at each vertex.
+SurfaceBlocks::Taken take_out(const WorkingSurface& surface,
+                              const std::vector<std::uint32_t>& degree, const Division& division,
+                              std::size_t b) {
   const std::uint32_t first = division.first[b], end = division.first[b + 1];
-  const auto old_count = static_cast<std::uint32_t>(surface.points.size());
   VertexTable table(2 * (end - first));
   std::vector<std::uint32_t> corners, local_degree;
   corners.reserve(3 * (end - first));
@@ -126,25 +126,30 @@ Part work_on(WorkingSurface& surface, const std::vector<std::uint32_t>& degree,
       ++local_degree[v];
       corners.push_back(v);
     }
-  const std::vector<std::uint32_t>& source = table.vertices;
-  std::vector<SurfacePoint> points(source.size());
-  std::vector<std::uint8_t> whole(source.size());
-  for (std::size_t v = 0; v < source.size(); ++v) {
-    points[v] = surface.points[source[v]];
-    whole[v] = local_degree[v] == degree[source[v]] &&
-               (surface.fixed.empty() || !surface.fixed[source[v]]);
+  SurfaceBlocks::Taken taken;
+  taken.source = std::move(table.vertices);
+  std::vector<SurfacePoint> points(taken.source.size());
+  std::vector<std::uint8_t> whole(taken.source.size());
+  for (std::size_t v = 0; v < taken.source.size(); ++v) {
+    const std::uint32_t from = taken.source[v];
+    points[v] = surface.points[from];
+    whole[v] = local_degree[v] == degree[from] && (surface.fixed.empty() || !surface.fixed[from]);
   }
-  PatchMesh mesh;
-  mesh.build(std::move(points), corners, std::move(whole));
-  work(mesh);
+  taken.mesh.build(std::move(points), corners, std::move(whole));
+  return taken;
+}
 
+/// Writes a block's vertices back.
+Part put_back(const SurfaceBlocks::Taken& taken, WorkingSurface& surface) {
+  const PatchMesh& mesh = taken.mesh;
+  const auto old_count = static_cast<std::uint32_t>(surface.points.size());
   Part part;
   std::vector<std::uint32_t> name(mesh.vertex_count(), kNone);
   for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) {
     if (!mesh.is_there(v)) continue;
-    if (v < source.size()) {
-      name[v] = source[v];
-      if (mesh.is_whole(v)) surface.points[source[v]] = mesh.points[v];
+    if (v < taken.source.size()) {
+      name[v] = taken.source[v];
+      if (mesh.is_whole(v)) surface.points[name[v]] = mesh.points[v];
     } else {
       name[v] = old_count + static_cast<std::uint32_t>(part.added.size());
       part.added.push_back(mesh.points[v]);
@@ -155,8 +160,16 @@ Part work_on(WorkingSurface& surface, const std::vector<std::uint32_t>& degree,
   return part;
 }
 
+/// Triangles at each vertex.
+std::vector<std::uint32_t> degrees(const WorkingSurface& surface) {
+  std::vector<std::uint32_t> degree(surface.points.size(), 0);
+  for (const auto* triangles : {&surface.triangles, &surface.resting})
+    for (const std::uint32_t v : *triangles) ++degree[v];
+  return degree;
+}
+
 /// Puts the parts one after the other.
-void join(Backend& backend, const std::vector<Part>& parts, WorkingSurface& surface) {
+void join_parts(Backend& backend, const std::vector<Part>& parts, WorkingSurface& surface) {
   const std::size_t old_count = surface.points.size();
   std::vector<std::size_t> corner_start(parts.size() + 1, 0), added_start(parts.size() + 1, 0);
   for (std::size_t b = 0; b < parts.size(); ++b) {
@@ -182,14 +195,43 @@ void join(Backend& backend, const std::vector<Part>& parts, WorkingSurface& surf
 void for_each_block(Backend& backend, const BlockGrid& grid, WorkingSurface& surface,
                     const std::function<void(PatchMesh&)>& work) {
   if (surface.triangles.empty()) return;
-  std::vector<std::uint32_t> degree(surface.points.size(), 0);
-  for (const auto* triangles : {&surface.triangles, &surface.resting})
-    for (const std::uint32_t v : *triangles) ++degree[v];
+  const std::vector<std::uint32_t> degree = degrees(surface);
   const Division division = divide(backend, grid, surface);
   std::vector<Part> parts(division.count());
+  backend.run(division.count(), [&](std::size_t b) {
+    SurfaceBlocks::Taken taken = take_out(surface, degree, division, b);
+    work(taken.mesh);
+    parts[b] = put_back(taken, surface);
+  });
+  join_parts(backend, parts, surface);
+}
+
+SurfaceBlocks::SurfaceBlocks(Backend& backend, const BlockGrid& grid, WorkingSurface& surface)
+    : backend_(backend), surface_(surface) {
+  if (surface.triangles.empty()) return;
+  const std::vector<std::uint32_t> degree = degrees(surface);
+  const Division division = divide(backend, grid, surface);
+  taken_.resize(division.count());
   backend.run(division.count(),
-              [&](std::size_t b) { parts[b] = work_on(surface, degree, division, b, work); });
-  join(backend, parts, surface);
+              [&](std::size_t b) { taken_[b] = take_out(surface, degree, division, b); });
+}
+
+std::vector<PatchMesh*> SurfaceBlocks::parts() {
+  std::vector<PatchMesh*> parts;
+  for (Taken& taken : taken_) parts.push_back(&taken.mesh);
+  return parts;
+}
+
+void SurfaceBlocks::join() {
+  if (taken_.empty()) return;
+  std::vector<Part> parts(taken_.size());
+  backend_.run(parts.size(), [&](std::size_t b) { parts[b] = put_back(taken_[b], surface_); });
+  join_parts(backend_, parts, surface_);
+}
+
+void for_each_part(Backend& backend, std::span<PatchMesh* const> parts,
+                   const std::function<void(PatchMesh&)>& work) {
+  backend.run(parts.size(), [&](std::size_t p) { work(*parts[p]); });
 }
 
 namespace {

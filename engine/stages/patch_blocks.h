@@ -9,6 +9,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "backend/backend.h"
@@ -35,6 +36,34 @@ struct BlockGrid {
 /// Calls work(part) for the part in each cell, in parallel, and joins what it leaves.
 void for_each_block(Backend& backend, const BlockGrid& grid, WorkingSurface& surface,
                     const std::function<void(PatchMesh&)>& work);
+
+/// The parts of a surface in the cells of a grid, all at once: for passes that take them together.
+class SurfaceBlocks {
+ public:
+  /// Takes the surface apart; it must not be touched until join().
+  SurfaceBlocks(Backend& backend, const BlockGrid& grid, WorkingSurface& surface);
+
+  /// In the order of the cells.
+  std::vector<PatchMesh*> parts();
+
+  /// Writes the parts back and joins them, as for_each_block does.
+  void join();
+
+  /// A part, and the surface's vertices that its first ones are.
+  struct Taken {
+    PatchMesh mesh;
+    std::vector<std::uint32_t> source;
+  };
+
+ private:
+  Backend& backend_;
+  WorkingSurface& surface_;
+  std::vector<Taken> taken_;
+};
+
+/// work(part) for each part, in parallel.
+void for_each_part(Backend& backend, std::span<PatchMesh* const> parts,
+                   const std::function<void(PatchMesh&)>& work);
 
 /// The surface to work on: normals from the field (the mean of the triangles' where the field has
 /// none or denies it), sizes at the vertices. Triangles away from the places rest if the goal is

@@ -101,6 +101,17 @@ bool Clearance::is_clear(const PatchMesh& mesh, std::span<const std::uint32_t> g
   return true;
 }
 
+bool Clearance::flip_if_clear(PatchMesh& mesh, std::uint32_t h) {
+  const std::uint32_t t = mesh.twin(h), p = mesh.origin(h), q = mesh.target(h), c = mesh.apex(h),
+                      d = mesh.apex(t);
+  const std::uint32_t gone[2] = {h, t};
+  const Corners made[2] = {{d, c, p}, {c, d, q}};
+  if (!is_clear(mesh, gone, made)) return false;
+  mesh.flip(h);
+  for (const std::uint32_t g : gone) take_up(mesh, g);
+  return true;
+}
+
 bool Clearance::move_if_clear(PatchMesh& mesh, std::uint32_t v, const SurfacePoint& point) {
   const SurfacePoint old = mesh.points[v];
   mesh.points[v] = point;

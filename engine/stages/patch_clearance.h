@@ -32,6 +32,10 @@ class Clearance {
   /// grid, which costs time alone.
   void take_up(const PatchMesh& mesh, std::uint32_t h);
 
+  /// Turns the edge of h unless its new triangles would then meet others. \return whether it did.
+  /// \pre mesh.may_flip(h)
+  bool flip_if_clear(PatchMesh& mesh, std::uint32_t h);
+
   /// Moves the whole vertex v unless its triangles would then meet others. \return whether it did.
   bool move_if_clear(PatchMesh& mesh, std::uint32_t v, const SurfacePoint& point);
 

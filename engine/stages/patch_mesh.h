@@ -14,18 +14,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "types/vec3.h"
+#include "types/fans.h"
 
 namespace vasamesh {
-
-/// A vertex of a surface that is being remeshed; lengths in voxel lengths.
-struct SurfacePoint {
-  Vec3 position;
-  Vec3 normal;      ///< outward unit normal: of the indicator function's level set, or of the mesh
-  float size = 1;   ///< edge length that is asked for
-  float drift = 0;  ///< voxel lengths that relaxation has moved it in all
-  bool on_field = true;  ///< false where the function says nothing of use about the surface
-};
 
 class PatchMesh {
  public:

@@ -1,8 +1,9 @@
 #pragma once
 
 /// \file
-/// The passes of remeshing over one part of a surface. Each goes through the part in a fixed order
-/// and keeps the rules of patch_rules.h; vertices that are not whole stay where they are.
+/// The passes of remeshing over one part of a surface, but those of relax.h. Each goes through the
+/// part in a fixed order and keeps the rules of patch_rules.h; vertices that are not whole stay
+/// where they are.
 ///
 /// Botsch, Kobbelt 2004; Dunyach, Vanderhaeghe, Barthe, Botsch: Adaptive remeshing for real-time
 /// mesh deformation, 2013.
@@ -49,28 +50,25 @@ void flip_to_valence(PatchMesh& mesh, int passes);
 /// Flips edges where that makes the least angle of their two triangles larger.
 void flip_to_angle(PatchMesh& mesh, int passes);
 
-/// Moves vertices in their tangent planes to the middle of the triangles round them (weighted by
-/// area over squared size; border vertices along the border), and onto the surface.
-void smooth(PatchMesh& mesh, const RemeshGoal& goal, int passes);
-
-/// Moves inner vertices to where the triangles round them have edges of more equal lengths.
-void equalise(PatchMesh& mesh, const RemeshGoal& goal, int passes);
-
-/// Moves inner vertices on the surface along their normals until the surface lies, on average over
-/// the triangles round each, as far inside of them as outside: a tube keeps the area of its section.
-/// Only where no triangle comes to meet another. They are off the field then: passes that follow
-/// leave them where they are along their normals.
-void fit(PatchMesh& mesh, const RemeshGoal& goal, int passes);
-
 /// Collapses, flips and moves round the triangles whose least angle has a squared sine below
 /// `wanted`, each only if the least angle there grows and no triangle comes to meet another. Where
 /// angles below 20 degrees stay, the place is relaxed off the field, by 0.4 voxel lengths at most a
 /// time, and tried again. \return triangles that stay below.
 std::uint32_t repair(PatchMesh& mesh, const RemeshGoal& goal, float wanted, int passes);
 
+/// Flips and moves round the triangles with an angle below 20 degrees, whatever they face: for what
+/// is crumpled at the scale of its edges, where the function's normals are of no use. No triangle
+/// turns by 90 degrees or more at a time, or comes to meet another.
+void widen_angles(PatchMesh& mesh, int passes);
+
 /// Gives a point the field's normal and on_field, or on_field = false and the normal that it has:
 /// where the zero set is too far, its gradient too small, or its normal too far from the point's.
 void take_normal(const FieldView& field, SurfacePoint& point);
+
+// When the field's normal is of use to a point: its slope a voxel length at least, and the cosine
+// between the normals.
+inline constexpr float kLeastSlope = 0.15f, kLeastAgreement = 0.5f;
+inline constexpr int kProjectionSteps = 3;
 
 /// Puts a point near the surface onto it, with the normal and the size there. False where the field
 /// gives no place of use within `reach` that faces as the point does; the point then stays.

@@ -84,12 +84,7 @@ bool Repair::try_flip(std::uint32_t h) {
   const float after = std::min(quality(mesh_.points[d], mesh_.points[c], mesh_.points[p]),
                                quality(mesh_.points[c], mesh_.points[d], mesh_.points[q]));
   if (!(after > kGain * before) || !(after > before)) return false;
-  const std::uint32_t gone[2] = {h, t};
-  const Clearance::Corners made[2] = {{d, c, p}, {c, d, q}};
-  if (!clearance_.is_clear(mesh_, gone, made)) return false;
-  mesh_.flip(h);
-  for (std::uint32_t g : gone) clearance_.take_up(mesh_, g);
-  return true;
+  return clearance_.flip_if_clear(mesh_, h);
 }
 
 /// The least quality of the fan of `gone` once merged into `kept`; -2 where a triangle turns away.

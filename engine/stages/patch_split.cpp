@@ -7,9 +7,7 @@ namespace vasamesh {
 
 namespace {
 
-constexpr float kLeastSlope = 0.15f;     // of the field a voxel length
-constexpr float kLeastAgreement = 0.5f;  // cosine of the normals before and after
-constexpr float kMostDistance = 0.3f;    // voxel lengths
+constexpr float kMostDistance = 0.3f;  // voxel lengths
 
 /// Whether the field's normal there is of use to a point with the normal `wanted`.
 bool is_of_use(const FieldSample& sample, const Vec3& wanted, float slope) {
@@ -28,9 +26,8 @@ void take_normal(const FieldView& field, SurfacePoint& point) {
 }
 
 bool put_onto_surface(const RemeshGoal& goal, float reach, SurfacePoint& point) {
-  constexpr int kSteps = 3;
   Vec3 position = point.position;
-  const FieldSample sample = project_to_surface(goal.field, reach, kSteps, position);
+  const FieldSample sample = project_to_surface(goal.field, reach, kProjectionSteps, position);
   const float slope = norm(sample.gradient);
   if (!is_of_use(sample, point.normal, slope)) return false;
   point = {position, (-1 / slope) * sample.gradient, goal.size_at(position), 0, true};

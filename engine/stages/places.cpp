@@ -9,13 +9,11 @@ namespace vasamesh {
 
 namespace {
 
-constexpr float kInverseSide = 0.125f;  // of a cell, in voxel lengths
-
 /// A cell's coordinate; 21 bits.
 std::uint64_t cell_of(float x) {
   constexpr float kMost = 1 << 20;
-  return static_cast<std::uint64_t>(std::clamp(std::floor(kInverseSide * x), -kMost, kMost - 1) +
-                                    kMost);
+  return static_cast<std::uint64_t>(
+      std::clamp(std::floor(Places::kInverseSide * x), -kMost, kMost - 1) + kMost);
 }
 
 std::uint64_t key_of(std::uint64_t x, std::uint64_t y, std::uint64_t z) {
@@ -31,18 +29,26 @@ Places::Places(std::span<const CarefulPlace> places) : places_(places.begin(), p
     for (std::uint64_t z = cell_of(c.z - reach); z <= cell_of(c.z + reach); ++z)
       for (std::uint64_t y = cell_of(c.y - reach); y <= cell_of(c.y + reach); ++y)
         for (std::uint64_t x = cell_of(c.x - reach); x <= cell_of(c.x + reach); ++x)
-          cells_.emplace_back(key_of(x, y, z), i);
+          cells_.push_back({key_of(x, y, z), i});
   }
-  std::sort(cells_.begin(), cells_.end());
+  std::sort(cells_.begin(), cells_.end(), [](const PlaceCell& a, const PlaceCell& b) {
+    return a.cell != b.cell ? a.cell < b.cell : a.place < b.place;
+  });
 }
+
+Places::Places(const PlaceView& view)
+    : places_(view.places.data(), view.places.data() + view.places.size),
+      cells_(view.cells.data(), view.cells.data() + view.cells.size) {}
+
+PlaceView Places::view() const { return {view_of(cells_), view_of(places_)}; }
 
 template <class Visit>
 void Places::for_each_near(const Vec3& p, const Visit& visit) const {
   if (places_.empty()) return;
   const std::uint64_t key = key_of(cell_of(p.x), cell_of(p.y), cell_of(p.z));
-  for (auto it = std::lower_bound(cells_.begin(), cells_.end(), std::pair{key, 0u});
-       it != cells_.end() && it->first == key; ++it)
-    visit(places_[it->second]);
+  const auto first = std::partition_point(cells_.begin(), cells_.end(),
+                                          [&](const PlaceCell& c) { return c.cell < key; });
+  for (auto it = first; it != cells_.end() && it->cell == key; ++it) visit(places_[it->place]);
 }
 
 bool Places::hold(const Vec3& p, float margin) const {

@@ -5,7 +5,6 @@
 
 #include <cstdint>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "backend/backend.h"
@@ -20,6 +19,9 @@ class Places {
   Places() = default;
   explicit Places(std::span<const CarefulPlace> places);
 
+  /// The places of a view in the host's memory.
+  explicit Places(const PlaceView& view);
+
   bool empty() const { return places_.empty(); }
 
   /// Whether a point lies in a place, or up to `margin` beyond; at most kMargin.
@@ -31,14 +33,18 @@ class Places {
   /// Whether the input is to stay as it is in some of them.
   bool any_fixed() const;
 
-  static constexpr float kMargin = 3;  ///< voxel lengths
+  /// What a pass needs to find the factors; good as long as the places are there.
+  PlaceView view() const;
+
+  static constexpr float kMargin = 3;            ///< voxel lengths
+  static constexpr float kInverseSide = 0.125f;  ///< of a cell, in voxel lengths
 
  private:
   template <class Visit>
   void for_each_near(const Vec3& p, const Visit& visit) const;
 
   std::vector<CarefulPlace> places_;
-  std::vector<std::pair<std::uint64_t, std::uint32_t>> cells_;  // cell, place; sorted
+  std::vector<PlaceCell> cells_;  // sorted by cell, then by place
 };
 
 /// The places and as much round each, voxel lengths.

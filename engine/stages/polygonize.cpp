@@ -226,19 +226,20 @@ TriangleMesh Polygonizer::expanded() {
   const std::vector<std::uint8_t> hard = find_hard_regions(backend_, field_, sizes_, rule_, base_);
   const TriangleMesh part = part_of(base_, hard);
   report_.hard_share = area_of(part) / area_of(base_);
-  scheduler_.begin("remesh", Stage::mesh);
+  scheduler_.begin("remesh", Stage::relax);
   TriangleMesh patches;
-  if (!part.triangles.empty()) patches = remesh(backend_, field_.view(), sizes_.view(field_), part);
+  if (!part.triangles.empty())
+    patches = remesh(relaxing(), field_.view(), sizes_.view(field_), part);
   const TriangleMesh mesh = front_over(patches);
-  scheduler_.begin("finish", Stage::mesh);
+  scheduler_.begin("finish", Stage::relax);
   settled_ = false;
-  return settled(finish(backend_, field_.view(), sizes_.view(field_), mesh));
+  return settled(finish(relaxing(), field_.view(), sizes_.view(field_), mesh));
 }
 
 /// The last surface with the fresh places cut out, the base surface remeshed in their middle, and
 /// the front in between.
 TriangleMesh Polygonizer::redone() {
-  scheduler_.begin("remesh", Stage::mesh);
+  scheduler_.begin("remesh", Stage::relax);
   apply_rule(backend_, field_, base_, rule_, places_, sizes_);
   const std::span<const CarefulPlace> fresh = std::span(places_).subspan(first_fresh_);
   const float margin = kMargin * longest_edge();
@@ -252,16 +253,16 @@ TriangleMesh Polygonizer::redone() {
   }
   const TriangleMesh patches =
       joined(part_of(last_, kept),
-             remesh(backend_, field_.view(), sizes_.view(field_), part, where_base_stays(fresh)));
+             remesh(relaxing(), field_.view(), sizes_.view(field_), part, where_base_stays(fresh)));
   const TriangleMesh mesh = front_over(patches);
 
-  scheduler_.begin("finish", Stage::mesh);
+  scheduler_.begin("finish", Stage::relax);
   std::vector<CarefulPlace> round = where_base_stays(places_);
   for (const CarefulPlace& place : fresh) {
     changed_.push_back({place.centre, place.radius + 2 * margin, 1});
     if (place.factor > 0) round.push_back(changed_.back());
   }
-  return settled(finish(backend_, field_.view(), sizes_.view(field_), mesh, round));
+  return settled(finish(relaxing(), field_.view(), sizes_.view(field_), mesh, round));
 }
 
 /// The front round the patches, its gaps stitched.
@@ -272,9 +273,10 @@ TriangleMesh Polygonizer::front_over(const TriangleMesh& patches) {
   report_.front_triangles +=
       static_cast<std::int64_t>(front.mesh.triangle_count() - patches.triangle_count());
 
-  scheduler_.begin("stitch", Stage::mesh);
+  scheduler_.begin("stitch", Stage::stitch);
+  Backend& stitching = scheduler_.backend_for(Stage::stitch);
   const StitchReport stitched =
-      stitch_gaps(backend_, field_.view(), sizes_.view(field_), stitch_, front.loops, front.mesh);
+      stitch_gaps(stitching, field_.view(), sizes_.view(field_), stitch_, front.loops, front.mesh);
   report_.gaps += stitched.loops;
   report_.gap_triangles +=
       static_cast<std::int64_t>(front.mesh.triangle_count() - stitched.first_triangle);
@@ -283,15 +285,16 @@ TriangleMesh Polygonizer::front_over(const TriangleMesh& patches) {
 }
 
 TriangleMesh Polygonizer::remeshed() {
-  scheduler_.begin("remesh", Stage::mesh);
+  scheduler_.begin("remesh", Stage::relax);
   report_.hard_share = 1;
   settled_ = false;
-  return settled(remesh(backend_, field_.view(), sizes_.view(field_), base_, places_));
+  return settled(remesh(relaxing(), field_.view(), sizes_.view(field_), base_, places_));
 }
 
 /// The surface, settled in the bounds where it has changed since the last that was; as it is where
 /// its topology is wrong, since it fails its proof and is made again.
 TriangleMesh Polygonizer::settled(TriangleMesh mesh) {
+  scheduler_.begin("settle", Stage::mesh);
   if (!has_topology_of(base_, mesh)) return mesh;
   const Bounds bounds = {base_, base_tree_, solid_, solid_tree_, limit_};
   const std::span<const CarefulPlace> within = settled_ ? changed_ : std::span<CarefulPlace>();

@@ -7,6 +7,7 @@
 #include "stages/patch_blocks.h"
 #include "stages/patch_passes.h"
 #include "stages/patch_rules.h"
+#include "stages/relax.h"
 #include "stages/triangle_tree.h"
 #include "types/mesh_vertex.h"
 
@@ -25,15 +26,20 @@ constexpr float kCoarsening[] = {0.3f, 0.5f, 0.7f, kShortest};
 /// Rounds of split, collapse, flip and smooth; the last `repaired` of them repair as well.
 void run_rounds(Backend& backend, const RemeshGoal& goal, int rounds, int repaired,
                 WorkingSurface& surface) {
-  for (int round = 0; round < rounds; ++round)
-    for_each_block(backend, {kBlock, 0.2f * static_cast<float>(round)}, surface,
-                   [&](PatchMesh& part) {
-                     split_long_edges(part, goal, kLongest);
-                     collapse_short_edges(part, kShortest, kLongest);
-                     flip_to_valence(part, 3);
-                     smooth(part, goal, 2);
-                     if (round >= rounds - repaired) repair(part, goal, kSine20, 4);
-                   });
+  Relaxer relaxer(backend, goal);
+  for (int round = 0; round < rounds; ++round) {
+    SurfaceBlocks blocks(backend, {kBlock, 0.2f * static_cast<float>(round)}, surface);
+    const std::vector<PatchMesh*> parts = blocks.parts();
+    for_each_part(backend, parts, [&](PatchMesh& part) {
+      split_long_edges(part, goal, kLongest);
+      collapse_short_edges(part, kShortest, kLongest);
+      flip_to_valence(part, 3);
+    });
+    relaxer.smooth(parts, 2);
+    if (round >= rounds - repaired)
+      for_each_part(backend, parts, [&](PatchMesh& part) { repair(part, goal, kSine20, 4); });
+    blocks.join();
+  }
 }
 
 /// The surface from its base, as far as the places allow.

@@ -12,6 +12,7 @@
 #include "stages/distance.h"
 #include "stages/intersect.h"
 #include "stages/mesh_parts.h"
+#include "stages/patch_blocks.h"
 #include "stages/patch_rules.h"
 #include "stages/places.h"
 #include "stages/remesh.h"
@@ -36,6 +37,9 @@ constexpr std::size_t kChain = 3, kHalf = 12;  // tries
 constexpr float kPart[] = {1, 0.6f};           // of the place's radius, half by half
 constexpr int kAgain = 2;  // that a try is brought near again: one move may leave other points far
 constexpr std::size_t kWork = 3, kLeastWork = 100000;  // of all tries: times the mesh's triangles
+constexpr float kWidening = 2;  // voxel lengths round a small angle that is made wider
+constexpr float kBlock = 32;    // voxel lengths
+constexpr int kWideningRounds = 2, kWideningPasses = 12;
 constexpr float kGrowth[] = {1, 1.35f, 1.7f, 2.2f};
 
 /// What is wrong with a surface, and where.
@@ -99,7 +103,7 @@ class Settling {
       : backend_(backend), field_(field), sizes_(sizes), bounds_(bounds) {}
 
   /// The vertices near the places brought back to the base surface and to marching cubes, then the
-  /// surface there to all of marching cubes.
+  /// surface there to all of marching cubes; then the small angles that there are made wider.
   TriangleMesh approached(const TriangleMesh& solid, const Places& places,
                           TriangleMesh mesh) const {
     const float near = kNearShare * bounds_.limit;
@@ -109,7 +113,22 @@ class Settling {
                       std::move(mesh), places);
     const std::vector<Vec3> far =
         points_beyond(backend_, near, solid, mesh, build_triangle_tree(backend_, mesh), places);
-    return approach(backend_, field_, sizes_, far, near, std::move(mesh));
+    return widened(approach(backend_, field_, sizes_, far, near, std::move(mesh)));
+  }
+
+  /// The surface with its small angles made wider.
+  TriangleMesh widened(TriangleMesh mesh) const {
+    Faults faults;
+    find_poor_triangles(mesh, faults);
+    const std::vector<Vec3> poor = faults.within({});
+    if (poor.empty()) return mesh;
+    const Places places(places_at(poor, kWidening, 1));
+    const RemeshGoal goal = {field_, sizes_, &places, true};
+    WorkingSurface surface = make_working_surface(backend_, goal, mesh);
+    for (int round = 0; round < kWideningRounds; ++round)
+      for_each_block(backend_, {kBlock, 0.1f + 0.5f * static_cast<float>(round)}, surface,
+                     [](PatchMesh& part) { widen_angles(part, kWideningPasses); });
+    return make_mesh(surface);
   }
 
   /// \param solid  the segmentation's marching cubes, or what of it is near.

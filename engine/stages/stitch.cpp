@@ -18,11 +18,7 @@ namespace {
 constexpr float kBridgeCosine = 0.25f;  // of the triangles of bridges, as in GapRules
 // A loop that found no other to join and turns by less (radians) may go round a tube.
 constexpr float kTubeTurning = 0.5f * 3.14159265f;
-constexpr int kMostRounds = 16;            // of triangulation, while gaps want the same edges
-constexpr std::size_t kTaskCost = 200000;  // what a task takes, in the units of gap_cost
-
-/// About how many steps a gap of n corners takes.
-std::size_t gap_cost(std::size_t n) { return n * n * n / 6 + 20 * n * n + 50 * n; }
+constexpr int kMostRounds = 16;  // of triangulation, while gaps want the same edges
 
 /// A chord that a gap wants: the first in order gets it.
 struct Claim {
@@ -55,9 +51,9 @@ class Stitcher {
       : backend_(backend),
         field_(field),
         sizes_(sizes),
-        mode_(mode),
         mesh_(mesh),
-        rim_(backend, field, mesh, loops) {
+        rim_(backend, field, mesh, loops),
+        closer_(backend, field, mesh, rim_, mode) {
     report_.loops = static_cast<std::int64_t>(loops.count());
     report_.first_vertex = mesh.vertex_count();
     report_.first_triangle = mesh.triangle_count();
@@ -107,37 +103,24 @@ class Stitcher {
     return order;
   }
 
-  /// Parts of `gaps` of about equal cost: where each starts, and the end.
   std::vector<std::size_t> parts_of(const std::vector<std::uint32_t>& gaps) const {
-    std::vector<std::size_t> starts{0};
-    std::size_t cost = 0;
-    for (std::size_t i = 0; i < gaps.size(); ++i) {
-      cost += gap_cost(loops().size(gaps[i]));
-      if (cost < kTaskCost && i + 1 < gaps.size()) continue;
-      starts.push_back(i + 1);
-      cost = 0;
-    }
-    return starts;
+    return parts_of_gaps(gaps.size(), [&](std::size_t i) { return loops().size(gaps[i]); });
   }
 
   /// Closes each of the gaps by itself.
   void triangulate(const std::vector<std::uint32_t>& gaps) {
-    const std::vector<std::size_t> starts = parts_of(gaps);
-    backend_.run(starts.size() - 1, [&](std::size_t part) {
-      GapCloser closer(field_, mesh_, rim_, mode_);
-      std::vector<TakenChord> taken;
-      for (std::size_t i = starts[part]; i < starts[part + 1]; ++i) {
-        const std::uint32_t l = gaps[i];
-        if (loops().size(l) > kMostGapCorners) continue;
-        taken.clear();
-        for (const Lost& lost : lost_)
-          if (lost.loop == l) taken.push_back(lost.chord);
-        closings_[l] = closer.run(loops()[l], bridged_.turning[l] < kTubeTurning, taken);
-        if (closings_[l].kind != GapClosing::triangulated) continue;
-        const auto found = closer.triangles();
-        std::copy(found.begin(), found.end(), triangles_.begin() + place_of(l));
-      }
-    });
+    std::vector<GapToClose> to_close;
+    for (const std::uint32_t l : gaps) {
+      if (loops().size(l) > kMostGapCorners) continue;
+      GapToClose& gap = to_close.emplace_back();
+      gap.loop = loops()[l];
+      gap.annular = bridged_.turning[l] < kTubeTurning;
+      for (const Lost& lost : lost_)
+        if (lost.loop == l) gap.taken.push_back(lost.chord);
+      gap.closing = &closings_[l];
+      gap.triangles = triangles_.data() + place_of(l);
+    }
+    closer_.run(to_close);
   }
 
   /// Gives each chord to the first gap that wants it, those of earlier rounds before the others.
@@ -249,10 +232,10 @@ class Stitcher {
   Backend& backend_;
   const FieldView field_;
   const SizeView sizes_;
-  const StitchMode mode_;
   TriangleMesh& mesh_;
   GapRim rim_;
   BridgedLoops bridged_;
+  GapCloser closer_;
   std::vector<GapClosing> closings_;       ///< a loop
   std::vector<std::uint32_t> lost_count_;  ///< a loop: rounds in which it lost an edge
   std::vector<std::uint16_t> triangles_;   ///< corners of the loops

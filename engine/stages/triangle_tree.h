@@ -12,15 +12,10 @@
 #include <vector>
 
 #include "backend/backend.h"
+#include "types/triangle_boxes.h"
 #include "vasamesh/types.h"
 
 namespace vasamesh {
-
-/// Eight boxes; empty ones have low above high.
-struct BoxNode {
-  alignas(32) float low[3][8];
-  alignas(32) float high[3][8];
-};
 
 struct Box {
   float low[3], high[3];
@@ -51,8 +46,9 @@ inline Box box_of(const BoxNode& node, int i) {
 }
 
 /// Calls visit(leaf) for the leaf nodes from `first` on whose boxes meet `box`.
-template <class Visit>
-void for_each_leaf(const TriangleTree& tree, const Box& box, std::size_t first,
+/// \param node_at  (level, node) -> BoxNode.
+template <class NodeAt, class Visit>
+void for_each_leaf(int levels, const NodeAt& node_at, const Box& box, std::size_t first,
                    const Visit& visit) {
   struct Entry {
     int level;
@@ -60,20 +56,28 @@ void for_each_leaf(const TriangleTree& tree, const Box& box, std::size_t first,
   };
   Entry stack[128];
   int size = 0;
-  stack[size++] = {static_cast<int>(tree.levels.size()) - 1, 0};
+  stack[size++] = {levels - 1, 0};
   while (size > 0) {
     const Entry entry = stack[--size];
     if (entry.level == 0) {
       visit(entry.node);
       continue;
     }
-    for (unsigned hits = meeting(tree.levels[entry.level][entry.node], box); hits;
-         hits &= hits - 1) {
+    for (unsigned hits = meeting(node_at(entry.level, entry.node), box); hits; hits &= hits - 1) {
       const std::size_t child = 8 * entry.node + std::countr_zero(hits);
       const std::size_t last = ((child + 1) << 3 * (entry.level - 1)) - 1;
       if (last >= first) stack[size++] = {entry.level - 1, child};
     }
   }
+}
+
+template <class Visit>
+void for_each_leaf(const TriangleTree& tree, const Box& box, std::size_t first,
+                   const Visit& visit) {
+  const auto node_at = [&](int level, std::size_t node) -> const BoxNode& {
+    return tree.levels[static_cast<std::size_t>(level)][node];
+  };
+  for_each_leaf(static_cast<int>(tree.levels.size()), node_at, box, first, visit);
 }
 
 }  // namespace vasamesh

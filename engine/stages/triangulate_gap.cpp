@@ -11,6 +11,16 @@ constexpr float kNever = 3e38f;  // the measure or cost of what cannot be triang
 
 }  // namespace
 
+GapPolygon gap_polygon(const GapView& gaps, std::size_t g) {
+  const std::size_t first = gaps.first[g], n = gaps.first[g + 1] - first;
+  GapPolygon polygon;
+  polygon.points = {&gaps.points[first], n};
+  polygon.normals = {&gaps.normals[first], n};
+  if (gaps.across.size) polygon.across = {&gaps.across[first], n};
+  polygon.chords = {&gaps.chords[gaps.chord_first[g]], n * n};
+  return polygon;
+}
+
 bool GapTriangulator::run(const GapPolygon& polygon, const GapRules& rules, StitchMode mode) {
   polygon_ = polygon;
   rules_ = rules;
@@ -151,7 +161,8 @@ void GapTriangulator::minimise_lexicographic() {
       const std::size_t j = i + width, entry = n_ * i + j;
       float least = kNever, turn = kNever, area = kNever;
       std::size_t via = 0;
-      for (std::size_t k = i + 1; k < j && may_join(i, j); ++k) {
+      const std::size_t end = may_join(i, j) ? j : i;
+      for (std::size_t k = i + 1; k < end; ++k) {
         const float measure = std::max(
             std::max(least_[n_ * i + k], least_[n_ * k + j]),
             least_angle_measure(squared_[n_ * i + k], squared_[n_ * k + j], squared_[entry]));
@@ -179,15 +190,22 @@ void GapTriangulator::minimise_lexicographic() {
   }
 }
 
+/// A part's first triangle is known when its own turn comes: until then its place holds its ends.
 void GapTriangulator::trace() {
-  stack_.assign({0, static_cast<std::uint16_t>(n_ - 1)});
-  while (!stack_.empty()) {
-    const std::uint16_t j = stack_.back(), i = stack_[stack_.size() - 2];
-    stack_.resize(stack_.size() - 2);
-    if (j - i < 2) continue;
-    const std::uint16_t k = via_[n_ * i + j];
-    triangles_.insert(triangles_.end(), {i, k, j});
-    stack_.insert(stack_.end(), {k, j, i, k});
+  triangles_.resize(3 * (n_ - 2));
+  triangles_[0] = 0;
+  triangles_[2] = static_cast<std::uint16_t>(n_ - 1);
+  for (std::size_t t = 0; t < n_ - 2; ++t) {
+    std::uint16_t* triangle = &triangles_[3 * t];
+    const std::uint16_t i = triangle[0], j = triangle[2], k = via_[n_ * i + j];
+    triangle[1] = k;
+    const auto set_part = [](std::uint16_t* first, std::uint16_t from, std::uint16_t to) {
+      if (to - from < 2) return;
+      first[0] = from;
+      first[2] = to;
+    };
+    set_part(triangle + 3, i, k);
+    set_part(triangle + 3 * (k - i), k, j);
   }
 }
 

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "stages/gap_rules.h"
+#include "types/gaps.h"
 #include "types/vec3.h"
 #include "vasamesh/parameters.h"
 
@@ -24,9 +25,30 @@ struct GapPolygon {
   std::span<const Vec3> normals;  ///< the surface's outward unit normal at each corner
   std::span<const Vec3> across;   ///< a corner: unit normal of the triangle across its edge; zero
                                   ///< where there is none
-  /// May corners i and j be joined: entry n i + j, symmetric. Not asked for the polygon's edges.
+  /// May corners i and j be joined where that follows the surface: entry n i + j, symmetric. Not
+  /// asked for the polygon's edges.
   std::span<const std::uint8_t> chords;
 };
+
+/// Gap g of a batch; the views are in the host's memory.
+GapPolygon gap_polygon(const GapView& gaps, std::size_t g);
+
+/// Parts of gaps of about equal work, for tasks: where each starts, and the end.
+/// \param corners  corners(i) of gap i.
+template <class Corners>
+std::vector<std::size_t> parts_of_gaps(std::size_t gaps, const Corners& corners) {
+  constexpr std::size_t kTaskWork = 200000;
+  std::vector<std::size_t> starts{0};
+  std::size_t work = 0;
+  for (std::size_t i = 0; i < gaps; ++i) {
+    const std::size_t n = corners(i);
+    work += n * n * n / 6 + 20 * n * n + 50 * n;
+    if (work < kTaskWork && i + 1 < gaps) continue;
+    starts.push_back(i + 1);
+    work = 0;
+  }
+  return starts;
+}
 
 /// The additive cost of a triangle, from its squared edges, twice its area and the cosine of the
 /// largest angle between its normal and the surface's at its corners: the harmonic index (least in
@@ -41,8 +63,9 @@ class GapTriangulator {
  public:
   static constexpr std::size_t kMostCorners = 0xffff;
 
-  /// Triangulates the polygon by triangles that follow the surface (gap_rules.h), with n - 2
-  /// triangles (i, k, j), i < k < j. The same for any order of work; ties go to the lowest k.
+  /// Triangulates the polygon by chords and triangles that follow the surface (gap_rules.h), with
+  /// n - 2 triangles (i, k, j), i < k < j: each before those of the part from i to k, and these
+  /// before those from k to j. The same for any order of work; ties go to the lowest k.
   /// \return false where no triangulation obeys the rules and the chords.
   bool run(const GapPolygon& polygon, const GapRules& rules, StitchMode mode);
 
@@ -61,7 +84,9 @@ class GapTriangulator {
   void trace();
   float largest_turn(std::size_t i, std::size_t k, std::size_t j, const Vec3& normal) const;
   bool may_join(std::size_t i, std::size_t j) const {
-    return j - i + 1 == n_ || polygon_.chords[n_ * i + j] != 0;
+    return j - i + 1 == n_ ||
+           (polygon_.chords[n_ * i + j] != 0 &&
+            chord_follows_surface(rules_, polygon_.points[i], polygon_.points[j]));
   }
   /// Whether the triangle obeys the rules; `worst` and `twice_area` as triangle_cost takes them.
   bool obeys_normals(std::size_t i, std::size_t k, std::size_t j, Vec3& product, float& squared,
@@ -80,7 +105,6 @@ class GapTriangulator {
   std::vector<Vec3> top_;           ///< `paper`: unit normal of the triangle at edge i - j
   std::vector<std::uint16_t> via_;  ///< that triangle's third corner
   std::vector<float> candidate_;    ///< a third corner: a bound on what it gives
-  std::vector<std::uint16_t> stack_;
   std::vector<std::uint16_t> triangles_;
   float measure_ = 0, total_ = 0;
 };

@@ -137,9 +137,9 @@ CheckReport check_surface(Backend& backend, const TriangleMesh& mesh, const Soli
       shells = find_shells(mesh, at_least(states, kUnusable), manifold);
     } else {
       tree = build_triangle_tree(backend, mesh, at_least(states, kWhole));
-      report.intersecting_pairs = find_intersections(backend, mesh, tree).count;
     }
   });
+  report.intersecting_pairs = find_intersections(backend, mesh, tree).count;
   find_nesting(backend, mesh, tree, shells);
   take(shells, report);
   if (wanted) {

@@ -9,8 +9,8 @@ namespace vasamesh {
 
 inline constexpr float kPi = 3.14159265f;
 
-/// The angle of the vector (x, y), from 0 to 2 pi; 0 of no vector.
-inline float positive_angle(float x, float y) {
+/// The angle of the vector (x, y) from the x axis, -pi to pi; 0 of no vector.
+inline float angle_of(float x, float y) {
   const float ax = x < 0 ? -x : x, ay = y < 0 ? -y : y;
   const float least = ax < ay ? ax : ay, most = ax < ay ? ay : ax;
   if (!(most > 0)) return 0;
@@ -21,7 +21,13 @@ inline float positive_angle(float x, float y) {
                 s * (0.19354346f + s * (-0.11643287f + s * (0.05265332f + s * -0.01172120f)))));
   if (ay > ax) a = 0.5f * kPi - a;
   if (x < 0) a = kPi - a;
-  return y < 0 ? 2 * kPi - a : a;
+  return y < 0 ? -a : a;
+}
+
+/// The same, from 0 to 2 pi.
+inline float positive_angle(float x, float y) {
+  const float a = angle_of(x, y);
+  return y < 0 ? 2 * kPi + a : a;
 }
 
 struct Rotation {

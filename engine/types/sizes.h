@@ -23,6 +23,18 @@ struct CarefulPlace {
   }
 };
 
+/// A place that reaches into a cell of a grid.
+struct PlaceCell {
+  std::uint64_t cell;
+  std::uint32_t place;
+};
+
+/// Places and the cells that find them (stages/places.h).
+struct PlaceView {
+  View<const PlaceCell> cells;  ///< sorted by cell
+  View<const CarefulPlace> places;
+};
+
 struct SizeView {
   FieldView field;          ///< its grid and table of bricks
   View<const float> sizes;  ///< 64 a brick, x fastest; voxel lengths

@@ -3,9 +3,13 @@
 #include <array>
 #include <cstdio>
 
+#include "stages/candidate_pairs.h"
+#include "stages/fan_moves.h"
 #include "stages/gradient_table.h"
 #include "stages/jacobi.h"
 #include "stages/normals.h"
+#include "stages/patch_rules.h"
+#include "stages/places.h"
 #include "stages/sizing.h"
 #include "types/lattice.h"
 #include "types/volume.h"
@@ -38,7 +42,21 @@ std::string kernel_constants() {
          define("NORMALS_AGAINST_FACES", kAgainstFaces) + define("NORMALS_SPAN", kMaxGradientSpan) +
          define("NORMALS_FRACTIONS", kFractions) + define("NORMALS_SWEEPS", kJacobiSweeps) +
          define("SIZING_REACH", kSampleReach) + define("SIZING_STEPS", kSampleSteps) +
-         define("SIZING_LARGEST_RADIUS", kLargestRadius);
+         define("SIZING_LARGEST_RADIUS", kLargestRadius) + define("RELAX_SINE25", kSine25) +
+         define("RELAX_SINE40", kSine40) + define("RELAX_LEAST_FACING", kLeastFacing) +
+         define("RELAX_LENGTH_FACTOR", RemeshGoal::kLengthFactor) +
+         define("RELAX_LEAST_SLOPE", kLeastSlope) +
+         define("RELAX_LEAST_AGREEMENT", kLeastAgreement) +
+         define("RELAX_STEPS", kProjectionSteps) +
+         define("RELAX_SMOOTHING_REACH", kSmoothingReach) +
+         define("RELAX_EQUALISING_REACH", kEqualisingReach) + define("RELAX_GAP_REACH", kGapReach) +
+         define("RELAX_GAP_STEPS", kGapSteps) + define("RELAX_LARGEST_STEP", kLargestStep) +
+         define("RELAX_ENOUGH_EQUALITY", kEnoughEquality) +
+         define("RELAX_PLACE_INVERSE_SIDE", Places::kInverseSide) +
+         define("VERIFY_DOT_ERROR", kDotError) +
+         define("VERIFY_DETERMINANT_ERROR", kDeterminantError) +
+         define("VERIFY_CROSS_DOT_ERROR", kCrossDotError) +
+         define("VERIFY_LEAST_EXTENT", kLeastExtent) + define("VERIFY_MOST_EXTENT", kMostExtent);
 }
 
 }  // namespace vasamesh

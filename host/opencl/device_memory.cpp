@@ -29,6 +29,7 @@ DeviceMemory::~DeviceMemory() {
 }
 
 void DeviceMemory::wait() {
+  if (idle_) return;
   wait_for(queue_, checkpoint_, device_);
   idle_ = true;
   give_back_left();

@@ -28,7 +28,8 @@ class DeviceMemory {
   /// What to call while the device is waited for.
   void set_checkpoint(std::function<void()> checkpoint) { checkpoint_ = std::move(checkpoint); }
 
-  /// Waits for all that is queued, with checkpoints. \throws DeviceFailure
+  /// Waits for all that is queued, with checkpoints; returns at once, on any thread, where nothing
+  /// is. \throws DeviceFailure
   void wait();
 
   /// The address of new memory on the host, and as much on the device. \throws Error refused.

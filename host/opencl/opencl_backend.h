@@ -37,7 +37,7 @@ class OpenClBackend final : public Backend {
   std::string name() const override { return "opencl"; }
   std::string device() const override { return device_name_; }
   bool offers(Stage stage) const override {
-    return stage <= Stage::sizing && (stages_ & bit_of(stage));
+    return stage < Stage::mesh && (stages_ & bit_of(stage));
   }
   std::size_t memory() const override { return global_memory_; }
   std::size_t bytes_held() const override { return account_.held(); }
@@ -148,6 +148,18 @@ class OpenClBackend final : public Backend {
                     View<std::uint32_t> triangles) override;
   void sizing_measure(const FieldView& field, View<Vec3> positions, View<Vec3> normals,
                       View<float> radii) override;
+  void stitch_triangulate(const GapRules& rules, StitchMode mode, const GapView& gaps,
+                          View<std::uint8_t> closed, View<std::uint16_t> triangles) override;
+  void relax_smooth(const FieldView& field, const SizeView& sizes, const PlaceView& places,
+                    const FanView& fans, int passes, View<SurfacePoint> points) override;
+  void relax_equalise(const FieldView& field, const SizeView& sizes, const PlaceView& places,
+                      const FanView& fans, int passes, View<SurfacePoint> points) override;
+  void relax_gaps(const FieldView& field, const FanView& fans, View<const SurfacePoint> points,
+                  View<float> gaps) override;
+  void verify_count_pairs(const MeshView& mesh, const TreeView& tree,
+                          View<std::uint32_t> counts) override;
+  void verify_collect_pairs(const MeshView& mesh, const TreeView& tree,
+                            View<const std::uint32_t> starts, View<std::uint32_t> pairs) override;
 
  private:
   void bring_to_host(void* handle, bool writes) override { memory_->bring_to_host(handle, writes); }
@@ -190,6 +202,37 @@ class OpenClBackend final : public Backend {
   template <class T, std::size_t n>
   void set(cl::Kernel& kernel, cl_uint& index, const std::array<View<T>, n>& views) {
     for (const View<T>& view : views) set(kernel, index, view);
+  }
+  /// FIELD_VIEW of kernels/field.cl.
+  void set(cl::Kernel& kernel, cl_uint& index, const FieldView& field) {
+    const Scale& inverse = field.inverse_step;
+    set(kernel, index, cl_int4{{field.grid[0], field.grid[1], field.grid[2], 0}});
+    set(kernel, index, cl_float4{{inverse[0], inverse[1], inverse[2], 0}});
+    set(kernel, index, field.brick_at);
+    set(kernel, index, field.coefficients);
+  }
+  /// The sizes and places of RELAX_GOAL in kernels/relax.cl.
+  void set(cl::Kernel& kernel, cl_uint& index, const SizeView& view) {
+    const std::array<int, 3>& grid = view.field.grid;
+    const Scale& inverse = view.field.inverse_step;
+    set(kernel, index, cl_int4{{grid[0], grid[1], grid[2], 0}});
+    set(kernel, index, cl_float4{{inverse[0], inverse[1], inverse[2], view.elsewhere}});
+    set(kernel, index, view.field.brick_at);
+    set(kernel, index, view.sizes);
+    set(kernel, index, cl_ulong{view.sizes.size});
+  }
+  void set(cl::Kernel& kernel, cl_uint& index, const PlaceView& view) {
+    set(kernel, index, view.cells);
+    set(kernel, index, view.places);
+    set(kernel, index, cl_ulong{view.cells.size});
+  }
+  /// The tree of VERIFY_TREE in kernels/verify.cl.
+  void set(cl::Kernel& kernel, cl_uint& index, const TreeView& view) {
+    set(kernel, index, view.order);
+    set(kernel, index, view.nodes);
+    set(kernel, index, view.level_first);
+    set(kernel, index, cl_ulong{view.order.size});
+    set(kernel, index, cl_int{view.levels()});
   }
   template <class T>
   void set(cl::Kernel& kernel, cl_uint& index, const T& value) {

@@ -131,6 +131,18 @@ class TbbBackend final : public Backend {
                     View<std::uint32_t> triangles) override;
   void sizing_measure(const FieldView& field, View<Vec3> positions, View<Vec3> normals,
                       View<float> radii) override;
+  void stitch_triangulate(const GapRules& rules, StitchMode mode, const GapView& gaps,
+                          View<std::uint8_t> closed, View<std::uint16_t> triangles) override;
+  void relax_smooth(const FieldView& field, const SizeView& sizes, const PlaceView& places,
+                    const FanView& fans, int passes, View<SurfacePoint> points) override;
+  void relax_equalise(const FieldView& field, const SizeView& sizes, const PlaceView& places,
+                      const FanView& fans, int passes, View<SurfacePoint> points) override;
+  void relax_gaps(const FieldView& field, const FanView& fans, View<const SurfacePoint> points,
+                  View<float> gaps) override;
+  void verify_count_pairs(const MeshView& mesh, const TreeView& tree,
+                          View<std::uint32_t> counts) override;
+  void verify_collect_pairs(const MeshView& mesh, const TreeView& tree,
+                            View<const std::uint32_t> starts, View<std::uint32_t> pairs) override;
 
  private:
   /// body(i) for i in 0 .. count - 1, in pieces of `grain`, on the arena's workers; a checkpoint

@@ -29,6 +29,17 @@ Point normal_of(const GapPolygon& polygon, const std::uint16_t* t) {
   return cross(wide(polygon.points[t[1]]) - a, wide(polygon.points[t[2]]) - a);
 }
 
+bool is_near(const FieldSample& sample, double reach) {
+  return sample.known && std::abs(sample.value) / length(wide(sample.gradient)) <= reach;
+}
+
+bool may_join(const GapPolygon& polygon, const GapRules& rules, std::size_t a, std::size_t b) {
+  const Vec3 &p = polygon.points[a], &q = polygon.points[b];
+  return polygon.chords[polygon.points.size() * a + b] != 0 &&
+         is_near(sample_field(rules.field, 0.5f * (p + q)),
+                 rules.reach * length(wide(q) - wide(p)));
+}
+
 bool obeys(const GapPolygon& polygon, const GapRules& rules, const std::uint16_t* t) {
   const std::size_t n = polygon.points.size();
   const Point normal = normal_of(polygon, t);
@@ -38,15 +49,13 @@ bool obeys(const GapPolygon& polygon, const GapRules& rules, const std::uint16_t
   for (int i = 0; i < 3; ++i) {
     const std::size_t a = t[i], b = t[(i + 1) % 3], low = std::min(a, b), high = std::max(a, b);
     const bool is_edge = high - low == 1 || high - low == n - 1;
-    if (!is_edge && !polygon.chords[n * a + b]) return false;
+    if (!is_edge && !may_join(polygon, rules, a, b)) return false;
     if (angle(normal, wide(polygon.normals[a])) > steepest) return false;
     longest = std::max(longest, length(wide(polygon.points[b]) - wide(polygon.points[a])));
     middle = middle + (1.0f / 3) * polygon.points[a];
   }
   const FieldSample sample = sample_field(rules.field, middle);
-  if (!sample.known) return false;
-  const Point gradient = wide(sample.gradient);
-  return std::abs(sample.value) / length(gradient) <= rules.reach * longest &&
+  return is_near(sample, rules.reach * longest) &&
          angle(normal, wide(-sample.gradient)) <=
              std::acos(static_cast<double>(rules.middle_cosine));
 }

@@ -1,0 +1,243 @@
+#include "stages/relax.h"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "stages/fan_moves.h"
+#include "stages/patch_blocks.h"
+#include "stages/patch_rules.h"
+
+namespace vasamesh {
+
+namespace {
+
+/// Adds the ring of a whole vertex (FanView).
+void add_ring(const PatchMesh& mesh, std::uint32_t v, std::vector<std::uint32_t>& ring) {
+  std::uint32_t last = v;
+  mesh.for_each_out(v, [&](std::uint32_t h) {
+    ring.push_back(mesh.target(h));
+    last = mesh.apex(h);
+  });
+  ring.push_back(last);
+}
+
+/// The vertices of a part that no pass of the field moves.
+std::vector<std::uint32_t> vertices_off_field(const PatchMesh& mesh, bool inner_only) {
+  std::vector<std::uint32_t> vertices;
+  for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v)
+    if (mesh.is_there(v) && !mesh.points[v].on_field &&
+        (inner_only ? mesh.is_inner(v) : mesh.is_whole(v)))
+      vertices.push_back(v);
+  return vertices;
+}
+
+/// Where the field was of no use: onto the surface if it is of use by now, else in the mesh's own
+/// tangent plane; and only if no triangles come to meet.
+void smooth_off_field(PatchMesh& mesh, const RemeshGoal& goal) {
+  const std::vector<std::uint32_t> vertices = vertices_off_field(mesh, false);
+  if (vertices.empty()) return;
+  Clearance clearance(mesh);
+  std::vector<std::uint32_t> ring;
+  for (std::uint32_t v : vertices) {
+    mesh.points[v].normal = fan_normal(mesh, v);
+    SurfacePoint moved = mesh.points[v];
+    const float limit = std::min(kSine25, facing_fan_quality(mesh, v));
+    if (put_onto_surface(goal, kSmoothingReach, moved) && may_move(mesh, v, moved, limit) &&
+        clearance.move_if_clear(mesh, v, moved))
+      continue;
+    ring.clear();
+    add_ring(mesh, v, ring);
+    moved = mesh.points[v];
+    moved.position = moved.position + smoothing_step(moved, {mesh.points.data(), ring});
+    if (may_move(mesh, v, moved, limit)) clearance.move_if_clear(mesh, v, moved);
+  }
+}
+
+/// Where no triangles come to meet.
+void equalise_off_field(PatchMesh& mesh, const RemeshGoal& goal, int passes) {
+  const std::vector<std::uint32_t> vertices = vertices_off_field(mesh, true);
+  if (vertices.empty()) return;
+  Clearance clearance(mesh);
+  std::vector<std::uint32_t> ring;
+  SurfacePoint moved;
+  for (int pass = 0; pass < passes; ++pass)
+    for (std::uint32_t v : vertices) {
+      ring.clear();
+      add_ring(mesh, v, ring);
+      if (find_more_equal(goal, {mesh.points.data(), ring}, mesh.points[v], moved))
+        clearance.move_if_clear(mesh, v, moved);
+    }
+}
+
+// Of moves along normals: voxel lengths that are worth one, and the most, of the size.
+constexpr float kLeastMove = 0.02f, kMostMove = 0.2f;
+
+/// Gives the vertices off the field its normals, but not those that relaxation has moved.
+void take_normals(PatchMesh& mesh, const FieldView& field) {
+  for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v)
+    if (mesh.is_there(v) && mesh.is_inner(v) && !mesh.points[v].on_field &&
+        mesh.points[v].drift == 0)
+      take_normal(field, mesh.points[v]);
+}
+
+void move_along_normal(PatchMesh& mesh, std::uint32_t v, float move, Clearance& clearance) {
+  SurfacePoint point = mesh.points[v];
+  const float most = kMostMove * point.size;
+  move = std::clamp(move, -most, most);
+  if (!(move * move >= kLeastMove * kLeastMove)) return;
+  point.position = point.position + move * point.normal;
+  if (may_move(mesh, v, point, std::min(kSine25, facing_fan_quality(mesh, v))))
+    clearance.move_if_clear(mesh, v, point);
+}
+
+PlaceView places_of(const RemeshGoal& goal) {
+  return goal.places ? goal.places->view() : PlaceView{};
+}
+
+}  // namespace
+
+void Relaxer::smooth(std::span<PatchMesh* const> parts, int passes) {
+  if (load(parts, false)) {
+    backend_.relax_smooth(goal_.field, goal_.sizes, places_of(goal_), view(), passes,
+                          points_.view());
+    take_points(parts);
+  }
+  for_each_part(backend_, parts, [&](PatchMesh& part) { smooth_off_field(part, goal_); });
+}
+
+void Relaxer::equalise(std::span<PatchMesh* const> parts, int passes) {
+  if (load(parts, true)) {
+    backend_.relax_equalise(goal_.field, goal_.sizes, places_of(goal_), view(), passes,
+                            points_.view());
+    take_points(parts);
+  }
+  for_each_part(backend_, parts, [&](PatchMesh& part) { equalise_off_field(part, goal_, passes); });
+}
+
+/// All gaps first, then all moves.
+void Relaxer::fit(std::span<PatchMesh* const> parts, int passes) {
+  for_each_part(backend_, parts, [&](PatchMesh& part) { take_normals(part, goal_.field); });
+  std::vector<std::optional<Clearance>> clearances(parts.size());
+  for (int pass = 0; pass < passes && load(parts, true); ++pass) {
+    gaps_.resize(backend_, vertex_.size());
+    backend_.relax_gaps(goal_.field, view(), std::as_const(points_).view(), gaps_.view());
+    backend_.on_host(std::as_const(gaps_).view());
+    backend_.run(parts.size(), [&](std::size_t p) {
+      if (start_.fan[p] == start_.fan[p + 1]) return;
+      if (!clearances[p]) clearances[p].emplace(*parts[p]);
+      move_by_gaps(*parts[p], p, *clearances[p]);
+    });
+  }
+  for_each_part(backend_, parts, [](PatchMesh& part) {
+    for (std::uint32_t v = 0; v < part.vertex_count(); ++v)
+      if (part.is_there(v) && part.is_inner(v)) part.points[v].on_field = false;
+  });
+}
+
+/// In the order of the vertices' numbers.
+void Relaxer::move_by_gaps(PatchMesh& part, std::size_t p, Clearance& clearance) {
+  std::vector<float> gaps(part.vertex_count(), 0.0f);
+  for (std::size_t f = start_.fan[p]; f < start_.fan[p + 1]; ++f)
+    gaps[vertex_.view()[f] - start_.point[p]] = gaps_.view()[f];
+  for (std::uint32_t v = 0; v < part.vertex_count(); ++v)
+    move_along_normal(part, v, gaps[v], clearance);
+}
+
+/// A vertex's level is one above those of its neighbours that come before it.
+Relaxer::Fans Relaxer::fans_of(const PatchMesh& part, bool inner_only) {
+  std::vector<std::uint32_t> vertex, level, ring_first{0}, ring;
+  std::vector<std::uint32_t> level_at(part.vertex_count(), 0), size;
+  for (std::uint32_t v = 0; v < part.vertex_count(); ++v) {
+    if (!part.is_there(v) || !part.points[v].on_field) continue;
+    if (!(inner_only ? part.is_inner(v) : part.is_whole(v))) continue;
+    add_ring(part, v, ring);
+    std::uint32_t above = 0;
+    for (std::size_t i = ring_first.back(); i < ring.size(); ++i)
+      above = std::max(above, level_at[ring[i]]);
+    level_at[v] = above + 1;
+    if (size.size() == above) size.push_back(0);
+    ++size[above];
+    vertex.push_back(v);
+    level.push_back(above);
+    ring_first.push_back(static_cast<std::uint32_t>(ring.size()));
+  }
+  Fans fans;
+  fans.level_first.push_back(0);
+  for (std::uint32_t count : size) fans.level_first.push_back(fans.level_first.back() + count);
+  std::vector<std::uint32_t> order(vertex.size());
+  std::vector<std::uint32_t> next(fans.level_first.begin(), fans.level_first.end() - 1);
+  for (std::uint32_t f = 0; f < vertex.size(); ++f) order[next[level[f]]++] = f;
+  for (std::uint32_t f : order) {
+    fans.vertex.push_back(vertex[f]);
+    fans.ring_first.push_back(static_cast<std::uint32_t>(fans.ring.size()));
+    fans.ring.insert(fans.ring.end(), ring.begin() + ring_first[f],
+                     ring.begin() + ring_first[f + 1]);
+  }
+  return fans;
+}
+
+void Relaxer::count(std::span<PatchMesh* const> parts, const std::vector<Fans>& fans) {
+  start_ = {{0}, {0}, {0}, {0}};
+  const auto add = [](std::vector<std::uint32_t>& starts, std::size_t count) {
+    starts.push_back(starts.back() + static_cast<std::uint32_t>(count));
+  };
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    add(start_.point, parts[p]->points.size());
+    add(start_.level, fans[p].level_first.size() - 1);
+    add(start_.fan, fans[p].vertex.size());
+    add(start_.ring, fans[p].ring.size());
+  }
+}
+
+bool Relaxer::load(std::span<PatchMesh* const> parts, bool inner_only) {
+  std::vector<Fans> fans(parts.size());
+  backend_.run(parts.size(), [&](std::size_t p) { fans[p] = fans_of(*parts[p], inner_only); });
+  count(parts, fans);
+  const std::size_t levels = start_.level.back(), all = start_.fan.back();
+  if (all == 0) return false;
+  points_.resize(backend_, start_.point.back());
+  part_level_.resize(backend_, parts.size() + 1);
+  level_first_.resize(backend_, levels + 1);
+  vertex_.resize(backend_, all);
+  ring_first_.resize(backend_, all + 1);
+  ring_.resize(backend_, start_.ring.back());
+  backend_.upload<std::uint32_t>(part_level_.view(), start_.level);
+  backend_.on_host(points_.view());
+  for (Buffer<std::uint32_t>* lists : {&level_first_, &vertex_, &ring_first_, &ring_})
+    backend_.on_host(lists->view());
+  level_first_.view()[levels] = start_.fan.back();
+  ring_first_.view()[all] = start_.ring.back();
+  backend_.run(parts.size(), [&](std::size_t p) { load_part(*parts[p], fans[p], p); });
+  return true;
+}
+
+void Relaxer::load_part(const PatchMesh& part, const Fans& fans, std::size_t p) {
+  const auto copy = [](std::span<const std::uint32_t> from, std::uint32_t shift,
+                       std::uint32_t* to) {
+    std::transform(from.begin(), from.end(), to,
+                   [shift](std::uint32_t entry) { return entry + shift; });
+  };
+  const std::span levels(fans.level_first);
+  const std::uint32_t point = start_.point[p], fan = start_.fan[p], ring = start_.ring[p];
+  std::copy(part.points.begin(), part.points.end(), points_.view().data() + point);
+  copy(levels.first(levels.size() - 1), fan, level_first_.view().data() + start_.level[p]);
+  copy(fans.vertex, point, vertex_.view().data() + fan);
+  copy(fans.ring_first, ring, ring_first_.view().data() + fan);
+  copy(fans.ring, point, ring_.view().data() + ring);
+}
+
+void Relaxer::take_points(std::span<PatchMesh* const> parts) {
+  const auto points = backend_.on_host(std::as_const(points_).view());
+  backend_.run(parts.size(), [&](std::size_t p) {
+    std::copy_n(points.begin() + start_.point[p], parts[p]->points.size(),
+                parts[p]->points.begin());
+  });
+}
+
+FanView Relaxer::view() const {
+  return {part_level_.view(), level_first_.view(), vertex_.view(), ring_first_.view(),
+          ring_.view()};
+}
+
+}  // namespace vasamesh

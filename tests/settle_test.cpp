@@ -1,0 +1,111 @@
+/// \file
+/// Settling: a surface that is damaged in places is near its bounds and well shaped again.
+
+#include "stages/settle.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <set>
+
+#include "stages/quality.h"
+#include "stages/remesh.h"
+#include "stages/sizing.h"
+#include "support/analytic_lattice.h"
+#include "support/invariants.h"
+#include "tbb/backend.h"
+#include "types/mesh_vertex.h"
+
+namespace vasamesh::test {
+namespace {
+
+constexpr float kLimit = 0.8f, kRadius = 4;
+
+/// A ring, its own base surface and marching cubes.
+class SettleTest : public ::testing::Test {
+ protected:
+  SettleTest()
+      : scene_(*backend_, {36, 36, 16}, ring({18, 18, 8}, 11, 3.5f)),
+        sizes_(make_sizes(*backend_, scene_.field, scene_.surface, {})),
+        solid_{scene_.surface, scene_.surface},
+        tree_(build_triangle_tree(*backend_, scene_.surface)),
+        mesh_(remesh(*backend_, scene_.field.view(), sizes_.view(scene_.field), scene_.surface)) {}
+
+  Settled settled(TriangleMesh mesh, Backend& on, std::span<const CarefulPlace> within = {}) const {
+    const Bounds bounds = {scene_.surface, tree_, solid_, tree_, kLimit};
+    return settle(on, scene_.field.view(), sizes_.view(scene_.field), bounds, kRadius,
+                  std::move(mesh), within, {});
+  }
+
+  /// The mesh with its vertices on one side drawn together to a tenth, and one drawn out.
+  TriangleMesh damaged() const {
+    TriangleMesh mesh = mesh_;
+    for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
+      const Vec3 from = vertex_at(mesh, v) - kSpot;
+      if (norm(from) > 2.5f) continue;
+      for (std::size_t i = 0; i < 3; ++i)
+        mesh.vertices[3 * v + i] -= 0.8f * (i == 0 ? from.x : i == 1 ? from.y : from.z);
+    }
+    return mesh;
+  }
+
+  static constexpr Vec3 kSpot{32.5f, 18, 8};
+  std::shared_ptr<Backend> backend_ = make_tbb_backend(2, nullptr);
+  AnalyticScene scene_;
+  SizeField sizes_;
+  SolidSurface solid_;
+  TriangleTree tree_;
+  TriangleMesh mesh_;
+};
+
+TEST_F(SettleTest, ADamagedPlaceIsMadeGood) {
+  const TriangleMesh mesh = damaged();
+  ASSERT_LT(measure_quality(*backend_, mesh).least_angle.minimum, 20);
+  const Settled result = settled(mesh, *backend_);
+  EXPECT_TRUE(result.far.empty());
+  expect_good_surface(result.mesh, Topology{1, 1, 0});
+  EXPECT_GE(measure_quality(*backend_, result.mesh).least_angle.minimum, 20);
+}
+
+TEST_F(SettleTest, APointThatCannotBeReachedIsReported) {
+  SolidSurface spiked = solid_;
+  const auto tip = static_cast<std::uint32_t>(spiked.all.vertex_count());
+  spiked.all.vertices.insert(spiked.all.vertices.end(), {18, 18, 8});  // the middle of the hole
+  spiked.all.triangles.insert(spiked.all.triangles.end(), {0, 1, tip});
+  const Bounds bounds = {scene_.surface, tree_, spiked, tree_, kLimit};
+  const Settled result = settle(*backend_, scene_.field.view(), sizes_.view(scene_.field), bounds,
+                                kRadius, mesh_, {}, {});
+  EXPECT_FALSE(result.far.empty());
+  expect_good_surface(result.mesh, Topology{1, 1, 0});
+}
+
+TEST_F(SettleTest, ElsewhereThanInThePlacesNothingMoves) {
+  const CarefulPlace place = {kSpot, kRadius, 1};
+  const Settled result = settled(damaged(), *backend_, {&place, 1});
+  std::size_t same = 0, away = 0;
+  std::set<std::array<float, 3>> there;
+  const auto at = [](const TriangleMesh& mesh, std::size_t v) {
+    return std::array{mesh.vertices[3 * v], mesh.vertices[3 * v + 1], mesh.vertices[3 * v + 2]};
+  };
+  for (std::size_t v = 0; v < result.mesh.vertex_count(); ++v) there.insert(at(result.mesh, v));
+  for (std::size_t v = 0; v < mesh_.vertex_count(); ++v) {
+    if (norm(vertex_at(mesh_, v) - kSpot) < 12) continue;
+    ++away;
+    same += there.count(at(mesh_, v));
+  }
+  EXPECT_GT(away, 50u);
+  EXPECT_EQ(same, away);
+}
+
+TEST_F(SettleTest, TheSameBytesOnAnyNumberOfThreads) {
+  const TriangleMesh mesh = damaged();
+  const TriangleMesh one = settled(mesh, *make_tbb_backend(1, nullptr)).mesh;
+  for (const int threads : {2, 4}) {
+    const TriangleMesh other = settled(mesh, *make_tbb_backend(threads, nullptr)).mesh;
+    EXPECT_EQ(one.vertices, other.vertices);
+    EXPECT_EQ(one.triangles, other.triangles);
+  }
+}
+
+}  // namespace
+}  // namespace vasamesh::test
