@@ -77,6 +77,7 @@ TEST(Check, ASurfaceHasNoDistanceToItself) {
       run({"check", folder / "sphere.ply", "--reference", folder / "sphere.ply", "--json"}));
   EXPECT_LT(report["distance"]["to"]["maximum_mm"], 1e-5);
   EXPECT_LT(report["distance"]["back"]["maximum_mm"], 1e-5);
+  EXPECT_EQ(report["distance"]["reference_triangles"], report["check"]["triangles"]);
   EXPECT_FALSE(report["distance"].contains("voxel_mm"));
 }
 

@@ -118,6 +118,14 @@ class Judgement(unittest.TestCase):
         self.assertIn("mean distance to marching cubes 0.200 voxels, mpu's 0.100", missed)
         self.assertIn("spread of the RMS curvature 0.60 /mm, mpu's 0.50", missed)
 
+    def test_the_exact_surface_stands_beside_the_spread(self) -> None:
+        from evaluation.goals import goals_of
+
+        rows = {"ours": row_of("ours", spread=0.8), "mc": row_of("mc", spread=1.0)}
+        exact = row_of("exact", spread=0.7)
+        text = goals_of(rows, 3.0, exact)[-1].text
+        self.assertIn("0.80 of marching cubes' (at most 0.5); the exact surface's is 0.70", text)
+
     def test_each_defect_spoils_ours(self) -> None:
         from evaluation.goals import complete
 
@@ -255,6 +263,8 @@ class WholeRun(unittest.TestCase):
             "Smoothness",
             "Triangle quality",
             "Topology",
+            "The exact surface's: mean",
+            "The exact surface itself: mean",
         ):
             self.assertIn(title, text)
 
@@ -307,6 +317,28 @@ class WholeRun(unittest.TestCase):
 
 
 class Pictures(unittest.TestCase):
+    def test_a_reference_beside_a_volume_is_turned_to_lps(self) -> None:
+        if importlib.util.find_spec("vtkmodules") is None:
+            self.skipTest("no vtkmodules here; see perf/requirements.txt")
+        from evaluation.inputs import reference_beside
+        from vtkmodules.vtkFiltersSources import vtkPlaneSource
+        from vtkmodules.vtkIOLegacy import vtkPolyDataWriter
+        from vtkmodules.vtkIOPLY import vtkPLYReader
+
+        with tempfile.TemporaryDirectory() as name:
+            folder = Path(name)
+            self.assertIsNone(reference_beside(folder / "scan.nii.gz", folder))
+            plane, writer, reader = vtkPlaneSource(), vtkPolyDataWriter(), vtkPLYReader()
+            plane.SetOrigin(1, 2, 3)
+            plane.SetPoint1(5, 2, 3)
+            plane.SetPoint2(1, 7, 3)
+            writer.SetInputConnection(plane.GetOutputPort())
+            writer.SetFileName(str(folder / "scan.vtk"))
+            writer.Write()
+            reader.SetFileName(str(reference_beside(folder / "scan.nii.gz", folder)))
+            reader.Update()
+        self.assertEqual(reader.GetOutput().GetBounds(), (-5, -1, -7, -2, 3, 3))
+
     def test_shares_of_known_values(self) -> None:
         if any(importlib.util.find_spec(name) is None for name in DRAWING):
             self.skipTest("no " + ", ".join(DRAWING) + " here; see perf/requirements.txt")

@@ -38,6 +38,7 @@ TEST(Quality, IcosahedronIsEquilateral) {
   EXPECT_NEAR(q.edge_ratio.minimum, 1, 1e-6);
   EXPECT_NEAR(q.least_angle.median, 60, 1e-4);
   EXPECT_EQ(q.edge_ratio_above_08, 1);
+  EXPECT_EQ(q.edges_within_15, 1);
   EXPECT_NEAR(q.area, 5 * std::sqrt(3.0) / std::pow(std::sin(0.4 * std::numbers::pi), 2), 1e-5);
 }
 
@@ -58,6 +59,7 @@ TEST(Quality, SizeRatioOfNeighbours) {
   EXPECT_NEAR(q.size_ratio.maximum, wanted, 1e-6);
   EXPECT_EQ(q.edge_ratio_below_03, 0);
   EXPECT_NEAR(q.edge_ratio.minimum, 1 / std::sqrt(10.0), 1e-6);
+  EXPECT_DOUBLE_EQ(q.edges_within_15, 4.0 / 6);  // all pairs but 1 with 3 and sqrt 10
 }
 
 TEST(Quality, DegenerateAndEmpty) {
@@ -66,6 +68,7 @@ TEST(Quality, DegenerateAndEmpty) {
   add_triangle(mesh, 0, 0, 0);
   EXPECT_EQ(measure(mesh).edge_ratio.mean, 0);
   EXPECT_EQ(measure(mesh).edge_ratio_below_01, 1);
+  EXPECT_EQ(measure(mesh).edges_within_15, 0);
   EXPECT_EQ(measure(TriangleMesh{}).area, 0);
 }
 

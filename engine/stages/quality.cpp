@@ -12,6 +12,7 @@ namespace vasamesh {
 namespace {
 
 constexpr std::size_t kChunk = 32768;  // triangles or vertices a task takes
+constexpr double kCloseRatio = 1.5;    // of two edges' lengths
 
 std::size_t chunks(std::size_t count) { return (count + kChunk - 1) / kChunk; }
 
@@ -31,7 +32,18 @@ Point vertex(const TriangleMesh& mesh, std::uint32_t v) {
 
 struct Figures {
   double shortest, longest, mean_edge, least_angle, area, volume;
+  int close_pairs;
 };
+
+/// How many of the three pairs of edges have nearly the same length.
+int close_pairs(const double (&edge)[3]) {
+  int count = 0;
+  for (int i = 0; i < 3; ++i) {
+    const auto [shorter, longer] = std::minmax(edge[i], edge[(i + 1) % 3]);
+    count += shorter > 0 && longer <= kCloseRatio * shorter;
+  }
+  return count;
+}
 
 Figures figures_of(const TriangleMesh& mesh, std::size_t triangle, const Point& origin) {
   const std::uint32_t* t = mesh.triangles.data() + 3 * triangle;
@@ -50,7 +62,8 @@ Figures figures_of(const TriangleMesh& mesh, std::size_t triangle, const Point& 
           (edge[0] + edge[1] + edge[2]) / 3,
           std::atan2(twice_area, dot(a, b)) * 180 / std::numbers::pi,
           0.5 * twice_area,
-          dot(p[least] - origin, normal) / 6};
+          dot(p[least] - origin, normal) / 6,
+          close_pairs(edge)};
 }
 
 double fraction(std::size_t count, std::size_t of) {
@@ -147,6 +160,7 @@ TriangleShapes triangle_shapes(Backend& backend, const TriangleMesh& mesh) {
   TriangleShapes shapes{std::vector<float>(count), std::vector<float>(count),
                         std::vector<float>(count)};
   std::vector<double> area(chunks(count), 0), volume(chunks(count), 0);
+  std::vector<std::int64_t> pairs(chunks(count), 0);
   if (count == 0) return shapes;
   const Point origin = vertex(mesh, mesh.triangles[0]);
   backend.run(chunks(count), [&](std::size_t chunk) {
@@ -157,10 +171,12 @@ TriangleShapes triangle_shapes(Backend& backend, const TriangleMesh& mesh) {
       shapes.mean_edge[t] = static_cast<float>(f.mean_edge);
       area[chunk] += f.area;
       volume[chunk] += f.volume;
+      pairs[chunk] += f.close_pairs;
     }
   });
   for (double part : area) shapes.area += part;
   for (double part : volume) shapes.volume += part;
+  for (std::int64_t part : pairs) shapes.close_pairs += part;
   return shapes;
 }
 
@@ -171,6 +187,7 @@ QualityReport measure_quality(Backend& backend, const TriangleMesh& mesh) {
   TriangleShapes shapes = triangle_shapes(backend, mesh);
   report.area = shapes.area;
   report.volume = shapes.volume;
+  report.edges_within_15 = fraction(static_cast<std::size_t>(shapes.close_pairs), 3 * count);
   const std::vector<float>& ratio = shapes.edge_ratio;
   const auto share = [&](auto&& condition) {
     return fraction(std::count_if(ratio.begin(), ratio.end(), condition), count);

@@ -4,6 +4,7 @@
 /// The quality of a surface's triangles: the edge ratio tau (shortest / longest edge), the least
 /// angle, and how fast the size changes from one triangle to the next.
 
+#include <cstdint>
 #include <vector>
 
 #include "backend/backend.h"
@@ -22,6 +23,7 @@ struct TriangleShapes {
   std::vector<float> least_angle;  ///< degrees
   std::vector<float> mean_edge;    ///< mm
   double area = 0, volume = 0;     ///< of the whole surface, as in the report
+  std::int64_t close_pairs = 0;    ///< of edges of one triangle, longer / shorter at most 1.5
 };
 TriangleShapes triangle_shapes(Backend& backend, const TriangleMesh& mesh);
 

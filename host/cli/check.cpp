@@ -29,6 +29,7 @@ struct Examination {
   QualityReport quality;
   Distribution curvature;  ///< RMS, 1 / mm
   std::optional<DistanceReport> distance;
+  std::size_t reference_triangles = 0;  ///< of the surface that the distance is to
   bool voxel_known = false;
 };
 
@@ -110,6 +111,7 @@ Examination examine(const CheckRequest& request) {
                : sampling_length(measure_quality(backend, *reference), reference->triangle_count());
     if (request.reference.empty()) move_to_lps(mesh, request.space, volume->geometry);
     result.distance = measure_distance(backend, mesh, *reference, voxel);
+    result.reference_triangles = reference->triangle_count();
   }
   return result;
 }
@@ -134,6 +136,7 @@ nlohmann::ordered_json to_json(const CheckRequest& request, const Examination& r
     const DistanceReport& d = *result.distance;
     json["distance"] = {{"to", to_json(d.to, d.voxel, result.voxel_known)},
                         {"back", to_json(d.back, d.voxel, result.voxel_known)}};
+    json["distance"]["reference_triangles"] = result.reference_triangles;
     if (result.voxel_known) json["distance"]["voxel_mm"] = d.voxel;
   }
   return json;

@@ -149,6 +149,7 @@ Json to_json(const QualityReport& quality) {
   out["edge_ratio_above_08"] = quality.edge_ratio_above_08;
   out["edge_ratio_below_03"] = quality.edge_ratio_below_03;
   out["edge_ratio_below_01"] = quality.edge_ratio_below_01;
+  out["edges_within_15"] = quality.edges_within_15;
   out["least_angle"] = to_json(quality.least_angle);
   out["size_ratio"] = to_json(quality.size_ratio);
   out["area"] = quality.area;

@@ -1,6 +1,7 @@
 """Vessel radii and a branching to look at, from the centrelines of a segmentation."""
 
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 import SimpleITK as sitk
@@ -42,17 +43,40 @@ def widest_branching(lines: Centrelines, voxel: float) -> tuple[np.ndarray, floa
     return place, radius
 
 
-def anatomy(given: Input) -> Anatomy:
-    image = sitk.ReadImage(str(given.volume))
+@dataclass(frozen=True)
+class Object:
+    """The voxels that are not 0, cut out of the volume."""
+
+    image: sitk.Image
+    voxels: np.ndarray  # axes in the order of the spacings
+    low: np.ndarray  # index of the first one cut out
+    spacing: np.ndarray  # mm
+
+    @property
+    def voxel(self) -> float:
+        return float(np.prod(self.spacing)) ** (1 / 3)
+
+
+def read_object(path: Path) -> Object:
+    image = sitk.ReadImage(str(path))
     volume = sitk.GetArrayViewFromImage(image).transpose() != 0
     low, high = np.argwhere(volume).min(axis=0), np.argwhere(volume).max(axis=0) + 1
     part = volume[low[0] : high[0], low[1] : high[1], low[2] : high[2]]
-    spacing = np.array(image.GetSpacing())
-    voxel = float(np.prod(spacing)) ** (1 / 3)
-    indices, radii = skeleton_of(part, spacing)
-    branching = widest_branching(centrelines(part, spacing), voxel)
+    return Object(image, part, low, np.array(image.GetSpacing()))
+
+
+def median_radius(path: Path) -> float:
+    """Of inscribed balls along a segmentation's centrelines, voxels."""
+    found = read_object(path)
+    return float(np.median(skeleton_of(found.voxels, found.spacing)[1])) / found.voxel
+
+
+def anatomy(given: Input) -> Anatomy:
+    found = read_object(given.volume)
+    indices, radii = skeleton_of(found.voxels, found.spacing)
+    branching = widest_branching(centrelines(found.voxels, found.spacing), found.voxel)
     thickest = int(np.argmax(radii))
-    place, radius = branching or (indices[thickest] * spacing, float(radii[thickest]))
-    direction = np.array(image.GetDirection()).reshape(3, 3)
-    lps = direction @ (place + low * spacing) + np.array(image.GetOrigin())
-    return Anatomy(float(np.median(radii)) / voxel, lps.tolist(), WIDTH * radius)
+    place, radius = branching or (indices[thickest] * found.spacing, float(radii[thickest]))
+    direction = np.array(found.image.GetDirection()).reshape(3, 3)
+    lps = direction @ (place + found.low * found.spacing) + np.array(found.image.GetOrigin())
+    return Anatomy(float(np.median(radii)) / found.voxel, lps.tolist(), WIDTH * radius)

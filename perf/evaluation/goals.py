@@ -93,8 +93,9 @@ def mpu_goals(ours: Row, mpu: Row, name: str) -> list[Goal]:
     return goals
 
 
-def goals_of(rows: dict[str, Row], radius: float | None) -> list[Goal]:
-    """For one input's finished rows by method, ours among them."""
+def goals_of(rows: dict[str, Row], radius: float | None, exact: Row | None = None) -> list[Goal]:
+    """For one input's finished rows by method, ours among them, and the figures of the exact surface
+    where it is known."""
     ours = rows["ours"]
     others = [name for name, row in rows.items() if name not in ("ours", "base") and complete(row)]
     goals = [
@@ -117,13 +118,12 @@ def goals_of(rows: dict[str, Row], radius: float | None) -> list[Goal]:
         if name in rows:
             goals += mpu_goals(ours, rows[name], name)
     if "mc" in rows:
-        share = spread(ours) / max(spread(rows["mc"]), 1e-12)
-        goals.append(
-            Goal(
-                f"spread of the RMS curvature {share:.2f} of marching cubes' (at most " f"{HALF})",
-                share <= HALF,
-            )
-        )
+        cubes = max(spread(rows["mc"]), 1e-12)
+        share = spread(ours) / cubes
+        text = f"spread of the RMS curvature {share:.2f} of marching cubes' (at most {HALF})"
+        if exact:
+            text += f"; the exact surface's is {spread(exact) / cubes:.2f} of it"
+        goals.append(Goal(text, share <= HALF))
     return goals
 
 

@@ -11,7 +11,7 @@ def available() -> bool:
     return importlib.util.find_spec("pymeshlab") is not None
 
 
-def hausdorff(surface: Path, reference: Path) -> dict[str, float]:
+def hausdorff(surface: Path, reference: Path, samples: int = SAMPLES) -> dict[str, float]:
     """Mean, RMS and largest distance from samples of the surface's faces to the reference, mm."""
     import pymeshlab  # optional
 
@@ -25,7 +25,7 @@ def hausdorff(surface: Path, reference: Path) -> dict[str, float]:
         sampleedge=False,
         samplefauxedge=False,
         sampleface=True,
-        samplenum=SAMPLES,
+        samplenum=samples,
         maxdist=pymeshlab.PercentageValue(100),
     )
     return {"mean_mm": found["mean"], "rms_mm": found["RMS"], "maximum_mm": found["max"]}

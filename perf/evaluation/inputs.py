@@ -1,5 +1,6 @@
 """The inputs: volume files, and phantoms by name."""
 
+import importlib.util
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -35,12 +36,25 @@ def stem(path: Path) -> str:
     return path.name
 
 
+def reference_beside(volume: Path, folder: Path) -> Path | None:
+    """The surface STEM.vtk (mm, RAS) that lies beside a volume STEM.ENDING and is what it was drawn
+    from, copied to LPS; None where there is none, or no Python package vtk."""
+    given = volume.parent / f"{stem(volume)}.vtk"
+    if not given.exists() or importlib.util.find_spec("vtkmodules") is None:
+        return None
+    from .surfaces import to_lps  # optional package
+
+    copy = folder / f"{stem(volume)}_exact.ply"
+    to_lps(given, copy)
+    return copy
+
+
 def open_input(text: str, program: Path, folder: Path) -> Input:
     """A file or DICOM folder as it is; a phantom's name: made in the folder.
     :raises BadInput: it is neither, or the phantom cannot be made."""
     if Path(text).exists():
         path = Path(text).resolve()
-        return Input(stem(path), path, None)
+        return Input(stem(path), path, reference_beside(path, folder))
     if text not in phantom_names(program):
         raise BadInput(
             f"{text}: no such file, and no phantom of that name; see `vasamesh phantom " "--help`"

@@ -11,7 +11,7 @@ from table_text import rounded
 
 from . import independent
 from .inputs import Input
-from .measure import measure
+from .measure import check, measure
 from .methods import METHODS
 from .tables import Section, input_sections, input_table, markdown
 
@@ -70,6 +70,12 @@ def facts_of(program: Path, given: Input, folder: Path) -> dict[str, Any]:
     }
 
 
+def exact_figures(program: Path, given: Input) -> dict[str, Any]:
+    """What the exact surface itself has: the measure of every method."""
+    report = check(program, given.exact, "--against", given.volume, "--label", "any")
+    return {key: report[key] for key in ("rms_curvature", "distance")}
+
+
 def evaluate(
     given: Input, methods: list[str], build: Path, folder: Path, timeout: float
 ) -> dict[str, Any]:
@@ -78,6 +84,8 @@ def evaluate(
     place, why_not = anatomy_of(given)
     found["median_radius"] = place["median_radius"] if place else None
     found["anatomy"], found["notes"] = place, [why_not] if why_not else []
+    if given.exact:
+        found["exact_surface"] = exact_figures(build / "vasamesh", given)
     found["methods"] = []
     for name in methods:
         print(f"{given.name}: {METHODS[name].title}", flush=True)

@@ -5,6 +5,8 @@ from pathlib import Path
 
 import numpy as np
 from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkIOLegacy import vtkPolyDataReader
+from vtkmodules.vtkIOPLY import vtkPLYWriter
 from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
 
 KEPT = 64  # bins of a histogram
@@ -34,6 +36,20 @@ def read_map(path: Path) -> SurfaceMap:
         vtk_to_numpy(cells.GetArray("edge_ratio")).copy(),
         vtk_to_numpy(cells.GetArray("least_angle")).copy(),
     )
+
+
+def to_lps(given: Path, copy: Path) -> None:
+    """A legacy VTK surface in RAS as PLY in LPS."""
+    reader = vtkPolyDataReader()
+    reader.SetFileName(str(given))
+    reader.Update()
+    data = reader.GetOutput()
+    points = vtk_to_numpy(data.GetPoints().GetData())  # the reader's own memory
+    points[:, :2] *= -1
+    writer = vtkPLYWriter()
+    writer.SetInputData(data)
+    writer.SetFileName(str(copy))
+    writer.Write()
 
 
 def in_ball(surface: SurfaceMap, centre: np.ndarray, radius: float) -> np.ndarray:

@@ -12,11 +12,11 @@ from .tables import Section, Table, number
 CONSTANTS: dict[str, tuple[str, list[float | str]]] = {
     "rho": ("--rho", [0.3, 0.45, 0.6, 0.8, 1.0]),
     "k": ("--neighbours", [5, 10, 15, 20, 30]),
-    "edge-min": ("--edge-min", [0.7, 0.85, 1.0, 1.2, 1.4]),
+    "edge-min": ("--edge-min", [0.7, 0.9, 1.1, 1.3, 1.5]),
     "edge-max": ("--edge-max", [1.2, 1.4, 1.6, 2.0, 2.5]),
     "normals": ("--normals", ["covariance", "gradient"]),
 }
-DEFAULTS = {"rho": 0.6, "k": 10, "edge-min": 1.0, "edge-max": 1.6, "normals": "covariance"}
+DEFAULTS = {"rho": 0.6, "k": 10, "edge-min": 1.1, "edge-max": 1.6, "normals": "covariance"}
 
 
 def one_run(

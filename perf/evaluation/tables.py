@@ -207,6 +207,29 @@ def stage_text(rows: list[Row]) -> list[str]:
     return lines
 
 
+def exact_curvature_text(given: Content) -> list[str]:
+    """What a method should show, no more and no less."""
+    if "exact_surface" not in given:
+        return []
+    exact = given["exact_surface"]["rms_curvature"]
+    names = ("mean", "percentile_5", "median", "percentile_95")
+    mean, low, median, high = (f"{exact[name]:.2f}" for name in names)
+    return [
+        f"The exact surface's: mean {mean}, 5th percentile {low}, median {median}, 95th percentile "
+        f"{high}, spread {spread(given['exact_surface']):.2f} /mm."
+    ]
+
+
+def exact_distance_text(given: Content) -> list[str]:
+    if "exact_surface" not in given:
+        return []
+    to, back = (given["exact_surface"]["distance"][w]["mean_voxels"] for w in ("to", "back"))
+    return [
+        f"The exact surface itself: mean {to:.3f} voxels to marching cubes and {back:.3f} back. "
+        "What is nearer follows the voxels' steps more than the vessel."
+    ]
+
+
 def judgement(given: Content) -> Section:
     rows = {row["method"]: row for row in given["methods"] if row["status"] == "done"}
     section = Section("What is asked of ours", 3)
@@ -215,7 +238,7 @@ def judgement(given: Content) -> Section:
         return section
     section.items = [
         ("met: " if goal.met else "**not met**: ") + goal.text
-        for goal in goals_of(rows, given["median_radius"])
+        for goal in goals_of(rows, given["median_radius"], given.get("exact_surface"))
     ]
     better = better_than_ours(rows)
     section.items += [
@@ -246,7 +269,7 @@ def input_sections(given: Content, pictures: dict[str, str]) -> list[Section]:
         Section(
             "Distance to marching cubes",
             3,
-            given.get("independent", []),
+            exact_distance_text(given) + given.get("independent", []),
             figures(rows, way_columns("distance")),
         ),
     ]
@@ -258,7 +281,8 @@ def input_sections(given: Content, pictures: dict[str, str]) -> list[Section]:
         Section(
             "Smoothness",
             3,
-            table=figures(rows, SMOOTH),
+            exact_curvature_text(given),
+            figures(rows, SMOOTH),
             pictures=shown["curvature"] + shown["curvature_close"] + shown["histograms"],
         ),
         Section("Triangle quality", 3, table=figures(rows, SHAPE), pictures=shown["close"]),

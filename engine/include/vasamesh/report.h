@@ -113,8 +113,9 @@ struct QualityReport {
   double edge_ratio_below_03 = 0;
   double edge_ratio_below_01 = 0;
   Distribution least_angle;      ///< degrees, of a triangle
-  Distribution size_ratio;       ///< longer / shorter of two edges that share a vertex in a triangle
-                                 ///< fan, over neighbouring triangles: ratio of mean edge lengths
+  double edges_within_15 = 0;    ///< fraction of the pairs of a triangle's edges, longer / shorter
+                                 ///< at most 1.5; every such pair shares a vertex
+  Distribution size_ratio;       ///< longer / shorter mean edge of two triangles that share an edge
   double area = 0;               ///< mm^2
   double volume = 0;             ///< mm^3, signed: positive when outward
 };

@@ -60,6 +60,8 @@ def main() -> None:
     parser.add_argument("surface", type=Path)
     arguments = parser.parse_args()
     surface = subdivision_surface(sitk.ReadImage(str(arguments.volume)))
+    if surface.GetNumberOfCells() == 0:
+        raise SystemExit("the mesh of tubes is no manifold: it cannot be subdivided")
     writer = vtkPLYWriter()
     writer.SetInputData(surface)
     writer.SetFileName(str(arguments.surface))

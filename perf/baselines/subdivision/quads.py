@@ -2,19 +2,27 @@
 
 import numpy as np
 
+Corners = tuple[int, int, int, int]
+
+
+def edge(a: int, b: int) -> tuple[int, int]:
+    return min(a, b), max(a, b)
+
 
 class QuadMesh:
     """Quadrilaterals, counter-clockwise seen from outside. Closed after every step."""
 
     def __init__(self) -> None:
         self.vertices: list[np.ndarray] = []
-        self.quads: dict[int, tuple[int, int, int, int]] = {}
+        self.quads: dict[int, Corners] = {}
         self.tips: dict[int, np.ndarray] = {}  # of quads that are round ends
         self.next_quad = 0
+        self.edges: set[tuple[int, int]] = set()  # (lower, higher); none ever vanishes
 
-    def add_quad(self, corners: tuple[int, int, int, int]) -> int:
+    def add_quad(self, corners: Corners) -> int:
         self.quads[self.next_quad] = corners
         self.next_quad += 1
+        self.edges |= {edge(a, b) for a, b in zip(corners, corners[1:] + corners[:1])}
         return self.next_quad - 1
 
     def middle(self, quad: int) -> np.ndarray:
@@ -32,9 +40,9 @@ class QuadMesh:
 
     def bridge(self, one: int, other: int) -> bool:
         """Takes two quads away and joins their borders by four new ones, the shortest way; false
-        where they touch."""
+        where they touch or an edge joins them already."""
         a, b = self.quads[one], self.quads[other]
-        if set(a) & set(b):
+        if set(a) & set(b) or any(edge(p, q) in self.edges for p in a for q in b):
             return False
 
         def partner(shift: int, k: int) -> int:
@@ -52,23 +60,30 @@ class QuadMesh:
             self.add_quad((a[k], a[(k + 1) % 4], partner(shift, k + 1), partner(shift, k)))
         return True
 
-    @staticmethod
-    def first_is_shorter(corners: np.ndarray) -> bool:
+    def cuts(self, corners: Corners, taken: set[tuple[int, int]]) -> list[Corners]:
+        """The quad's corners from the end of a diagonal that is not taken, the shorter one first;
+        none where both are."""
         a, b, c, d = corners
-        return bool(np.linalg.norm(a - c) <= np.linalg.norm(b - d))
+        ways = sorted(
+            (corners, (b, c, d, a)),
+            key=lambda way: float(np.linalg.norm(self.vertices[way[0]] - self.vertices[way[2]])),
+        )
+        return [way for way in ways if edge(way[0], way[2]) not in taken]
 
     def triangles(self) -> tuple[np.ndarray, np.ndarray]:
-        """Vertices and triangles, each quad cut along its shorter diagonal, or round its tip."""
-        vertices = np.array(self.vertices + list(self.tips.values()))
-        tips = {quad: len(self.vertices) + i for i, quad in enumerate(self.tips)}
-        triangles = []
-        for quad, (a, b, c, d) in self.quads.items():
-            if quad in tips:
-                tip = tips[quad]
-                triangles += [(a, b, tip), (b, c, tip), (c, d, tip), (d, a, tip)]
-            elif self.first_is_shorter(vertices[[a, b, c, d]]):
+        """Vertices and triangles. Each quad is cut along a diagonal, or round its tip, or its middle
+        where others are cut along both."""
+        vertices, taken = list(self.vertices), set(self.edges)
+        triangles: list[tuple[int, int, int]] = []
+        for quad, corners in self.quads.items():
+            ways = [] if quad in self.tips else self.cuts(corners, taken)
+            if ways:
+                a, b, c, d = ways[0]
+                taken.add(edge(a, c))
                 triangles += [(a, b, c), (a, c, d)]
-            else:
-                triangles += [(a, b, d), (b, c, d)]
+                continue
+            centre = len(vertices)
+            vertices.append(self.tips[quad] if quad in self.tips else self.middle(quad))
+            triangles += [(p, q, centre) for p, q in zip(corners, corners[1:] + corners[:1])]
         used, numbers = np.unique(np.array(triangles), return_inverse=True)
-        return vertices[used], numbers.reshape(-1, 3)
+        return np.array(vertices)[used], numbers.reshape(-1, 3)
