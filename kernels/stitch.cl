@@ -181,21 +181,29 @@ static void stitch_minimise_cost(const StitchGap *gap, int i, int j, float allow
   via[n * width + i] = at;
 }
 
-/// The largest least angle, then the least cost among those. `gap`: the first of these groups.
-kernel void stitch_exact(uint gap_first, float4 rules, FIELD_VIEW, VIEW(const uint, first),
-                         VIEW(const uint, chord_first), VIEW(const float, points),
-                         VIEW(const float, normals), VIEW(const uchar, chords), VIEW(float, least),
+/// What both kernels take; gap_first: the first gap of these groups.
+#define STITCH_GAPS                                                                          \
+  uint gap_first, float4 rules, FIELD_VIEW, VIEW(const uint, first),                         \
+      VIEW(const uint, chord_first), VIEW(const float, points), VIEW(const float, normals),  \
+      VIEW(const uchar, chords)
+
+/// This group's gap g, and where its tables start.
+#define STITCH_TAKE_GAP                                                                      \
+  const size_t g = gap_first + get_group_id(0);                                              \
+  TAKE(first);                                                                               \
+  TAKE(chord_first);                                                                         \
+  const size_t table = chord_first[g];                                                       \
+  const Field field = TAKE_FIELD;                                                            \
+  const StitchGap gap =                                                                      \
+      stitch_gap(field, rules, first[g], first[g + 1], chord_first[g], points + 3 * points_first, \
+                 normals + 3 * normals_first, chords + chords_first);                        \
+  const int n = gap.n
+
+/// The largest least angle, then the least cost among those.
+kernel void stitch_exact(STITCH_GAPS, VIEW(float, least),
                          VIEW(float, sum), VIEW(ushort, via), VIEW(uchar, closed),
                          VIEW(ushort, triangles)) {
-  const size_t g = gap_first + get_group_id(0);
-  TAKE(first);
-  TAKE(chord_first);
-  const size_t table = chord_first[g];
-  const Field field = TAKE_FIELD;
-  const StitchGap gap =
-      stitch_gap(field, rules, first[g], first[g + 1], chord_first[g], points + 3 * points_first,
-                 normals + 3 * normals_first, chords + chords_first);
-  const int n = gap.n;
+  STITCH_TAKE_GAP;
   least += least_first + table;
   sum += sum_first + table;
   via += via_first + table;
@@ -273,21 +281,10 @@ static void stitch_minimise_all(const StitchGap *gap, const StitchTables *tables
 }
 
 /// The paper's single pass: angle, turn and area in one order, part by part.
-kernel void stitch_paper(uint gap_first, float4 rules, FIELD_VIEW, VIEW(const uint, first),
-                         VIEW(const uint, chord_first), VIEW(const float, points),
-                         VIEW(const float, normals), VIEW(const uchar, chords),
-                         VIEW(const float, across), VIEW(float, least), VIEW(float, sum),
+kernel void stitch_paper(STITCH_GAPS, VIEW(const float, across), VIEW(float, least), VIEW(float, sum),
                          VIEW(float, turn), VIEW(float, top), VIEW(ushort, via),
                          VIEW(uchar, closed), VIEW(ushort, triangles)) {
-  const size_t g = gap_first + get_group_id(0);
-  TAKE(first);
-  TAKE(chord_first);
-  const size_t table = chord_first[g];
-  const Field field = TAKE_FIELD;
-  const StitchGap gap =
-      stitch_gap(field, rules, first[g], first[g + 1], chord_first[g], points + 3 * points_first,
-                 normals + 3 * normals_first, chords + chords_first);
-  const int n = gap.n;
+  STITCH_TAKE_GAP;
   across += 3 * (across_first + first[g]);
   StitchTables tables;
   tables.least = least + least_first + table;

@@ -41,22 +41,6 @@ Vec3 border_step(const SurfacePoint& p, const Ring& ring) {
   return 0.5f * (middle - p.position);
 }
 
-/// The least quality of the triangles that face as the surface does.
-float facing_quality(const SurfacePoint& p, const Ring& ring) {
-  float least = 1;
-  for (std::size_t i = 0; i < ring.triangles(); ++i) {
-    const float quality = triangle_quality(p, ring[i], ring[i + 1]);
-    if (quality >= 0) least = std::min(least, quality);
-  }
-  return least;
-}
-
-bool may_move(const SurfacePoint& p, const Ring& ring, const SurfacePoint& moved, float limit) {
-  for (std::size_t i = 0; i < ring.triangles(); ++i)
-    if (!may_replace(p, moved, ring[i], ring[i + 1], limit)) return false;
-  return true;
-}
-
 /// Sum over the triangles of the squared edge ratios, each at most kEnoughEquality.
 float fan_equality(const Ring& ring, const Vec3& p) {
   float sum = 0;

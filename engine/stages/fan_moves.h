@@ -29,6 +29,11 @@ struct Ring {
   const SurfacePoint& operator[](std::size_t i) const { return points[vertices[i]]; }
   std::size_t triangles() const { return vertices.size() - 1; }
   bool is_border() const { return vertices.front() != vertices.back(); }
+
+  template <class Visit>
+  void for_each_triangle(const Visit& visit) const {
+    for (std::size_t i = 0; i < triangles(); ++i) visit((*this)[i], (*this)[i + 1]);
+  }
 };
 
 /// The tangential part of the way to the middle of the triangles round p, weighted by area over

@@ -17,9 +17,7 @@ constexpr int kLastRounds = 4;  // that may follow where triangles with small an
 /// Whether a triangle of the part has an angle below 20 degrees.
 bool any_poor(const PatchMesh& part) {
   for (std::uint32_t h = 0; h < part.half_edge_end(); h += 4)
-    if (part.is_edge(h) && least_sine(part.points[part.origin(h)], part.points[part.target(h)],
-                                      part.points[part.apex(h)]) < kSine20)
-      return true;
+    if (part.is_edge(h) && least_sine(part, h) < kSine20) return true;
   return false;
 }
 

@@ -20,11 +20,6 @@ Vec3 area_vector(const SurfacePoint& a, const SurfacePoint& b, const SurfacePoin
   return cross(b.position - a.position, c.position - a.position);
 }
 
-float least_sine_of(const PatchMesh& mesh, std::uint32_t h) {
-  return least_sine(mesh.points[mesh.origin(h)], mesh.points[mesh.target(h)],
-                    mesh.points[mesh.apex(h)]);
-}
-
 class Widening {
  public:
   explicit Widening(PatchMesh& mesh) : mesh_(mesh), clearance_(mesh) {}
@@ -74,7 +69,7 @@ bool Widening::try_flip(std::uint32_t h) {
   if (t == PatchMesh::kNone || !mesh_.may_flip(h)) return false;
   const SurfacePoint &p = mesh_.points[mesh_.origin(h)], &q = mesh_.points[mesh_.target(h)],
                      &c = mesh_.points[mesh_.apex(h)], &d = mesh_.points[mesh_.apex(t)];
-  const float before = std::min(least_sine_of(mesh_, h), least_sine_of(mesh_, t));
+  const float before = std::min(least_sine(mesh_, h), least_sine(mesh_, t));
   if (!(std::min(least_sine(d, c, p), least_sine(c, d, q)) > kGain * before)) return false;
   const Vec3 old = area_vector(p, q, c) + area_vector(q, p, d);
   return dot(area_vector(d, c, p), old) > 0 && dot(area_vector(c, d, q), old) > 0 &&
@@ -111,7 +106,7 @@ void widen_angles(PatchMesh& mesh, int passes) {
   for (int pass = 0; pass < passes; ++pass) {
     bool any = false;
     for (std::uint32_t t = 0; t < mesh.half_edge_end(); t += 4) {
-      if (!mesh.is_edge(t) || least_sine_of(mesh, t) >= kWanted) continue;
+      if (!mesh.is_edge(t) || least_sine(mesh, t) >= kWanted) continue;
       if (!work) work.emplace(mesh);
       work->widen(t);
       any = true;

@@ -40,6 +40,12 @@ inline float least_sine(const SurfacePoint& a, const SurfacePoint& b, const Surf
                     squared_norm(cross(ab, bc)));
 }
 
+/// Of the triangle of the half-edge h.
+inline float least_sine(const PatchMesh& mesh, std::uint32_t h) {
+  return least_sine(mesh.points[mesh.origin(h)], mesh.points[mesh.target(h)],
+                    mesh.points[mesh.apex(h)]);
+}
+
 /// Squared sine of the triangle's least angle. Where it does not face as the surface at one of its
 /// corners does (kLeastFacing), the cosine between them minus 1: below -0.5, the worse the lower.
 inline float triangle_quality(const SurfacePoint& a, const SurfacePoint& b, const SurfacePoint& c,
@@ -91,15 +97,33 @@ inline float fan_quality(const PatchMesh& mesh, std::uint32_t v, const SurfacePo
   return least;
 }
 
-/// The least quality of the triangles round a whole vertex that face as the surface does.
-inline float facing_fan_quality(const PatchMesh& mesh, std::uint32_t v) {
+/// The triangles round a whole vertex: visit(b, c) with their other corners. Rings (fan_moves.h)
+/// are fans too.
+struct VertexFan {
+  const PatchMesh& mesh;
+  std::uint32_t vertex;
+
+  template <class Visit>
+  void for_each_triangle(const Visit& visit) const {
+    mesh.for_each_out(vertex, [&](std::uint32_t h) {
+      visit(mesh.points[mesh.target(h)], mesh.points[mesh.apex(h)]);
+    });
+  }
+};
+
+/// The least quality of the triangles round p that face as the surface does.
+template <class Fan>
+float facing_quality(const SurfacePoint& p, const Fan& fan) {
   float least = 1;
-  mesh.for_each_out(v, [&](std::uint32_t h) {
-    const float quality =
-        triangle_quality(mesh.points[v], mesh.points[mesh.target(h)], mesh.points[mesh.apex(h)]);
+  fan.for_each_triangle([&](const SurfacePoint& b, const SurfacePoint& c) {
+    const float quality = triangle_quality(p, b, c);
     if (quality >= 0) least = std::min(least, quality);
   });
   return least;
+}
+
+inline float facing_fan_quality(const PatchMesh& mesh, std::uint32_t v) {
+  return facing_quality(mesh.points[v], VertexFan{mesh, v});
 }
 
 /// Whether `point` may take the place of `old` in a triangle with b and c: the quality is `limit`
@@ -112,15 +136,21 @@ inline bool may_replace(const SurfacePoint& old, const SurfacePoint& point, cons
   return before < 0 && quality >= before;
 }
 
-/// Whether `point` may take the place of the whole vertex v in all of its triangles.
-inline bool may_move(const PatchMesh& mesh, std::uint32_t v, const SurfacePoint& point, float limit,
-                     float least_facing = kLeastFacing) {
+/// Whether `point` may take the place of `old` in all triangles round it.
+template <class Fan>
+bool may_move(const SurfacePoint& old, const Fan& fan, const SurfacePoint& point, float limit,
+              float least_facing = kLeastFacing) {
   bool good = true;
-  mesh.for_each_out(v, [&](std::uint32_t h) {
-    good = good && may_replace(mesh.points[v], point, mesh.points[mesh.target(h)],
-                               mesh.points[mesh.apex(h)], limit, least_facing);
+  fan.for_each_triangle([&](const SurfacePoint& b, const SurfacePoint& c) {
+    good = good && may_replace(old, point, b, c, limit, least_facing);
   });
   return good;
+}
+
+/// Whether `point` may take the place of the whole vertex v.
+inline bool may_move(const PatchMesh& mesh, std::uint32_t v, const SurfacePoint& point, float limit,
+                     float least_facing = kLeastFacing) {
+  return may_move(mesh.points[v], VertexFan{mesh, v}, point, limit, least_facing);
 }
 
 }  // namespace vasamesh

@@ -119,7 +119,9 @@ void Relaxer::equalise(std::span<PatchMesh* const> parts, int passes) {
 void Relaxer::fit(std::span<PatchMesh* const> parts, int passes) {
   for_each_part(backend_, parts, [&](PatchMesh& part) { take_normals(part, goal_.field); });
   std::vector<std::optional<Clearance>> clearances(parts.size());
-  for (int pass = 0; pass < passes && load(parts, true); ++pass) {
+  const bool any = load(parts, true);
+  for (int pass = 0; pass < passes && any; ++pass) {
+    if (pass > 0) load_points(parts);
     gaps_.resize(backend_, vertex_.size());
     backend_.relax_gaps(goal_.field, view(), std::as_const(points_).view(), gaps_.view());
     backend_.on_host(std::as_const(gaps_).view());
@@ -203,16 +205,16 @@ bool Relaxer::load(std::span<PatchMesh* const> parts, bool inner_only) {
   ring_first_.resize(backend_, all + 1);
   ring_.resize(backend_, start_.ring.back());
   backend_.upload<std::uint32_t>(part_level_.view(), start_.level);
-  backend_.on_host(points_.view());
   for (Buffer<std::uint32_t>* lists : {&level_first_, &vertex_, &ring_first_, &ring_})
     backend_.on_host(lists->view());
   level_first_.view()[levels] = start_.fan.back();
   ring_first_.view()[all] = start_.ring.back();
-  backend_.run(parts.size(), [&](std::size_t p) { load_part(*parts[p], fans[p], p); });
+  backend_.run(parts.size(), [&](std::size_t p) { load_fans(fans[p], p); });
+  load_points(parts);
   return true;
 }
 
-void Relaxer::load_part(const PatchMesh& part, const Fans& fans, std::size_t p) {
+void Relaxer::load_fans(const Fans& fans, std::size_t p) {
   const auto copy = [](std::span<const std::uint32_t> from, std::uint32_t shift,
                        std::uint32_t* to) {
     std::transform(from.begin(), from.end(), to,
@@ -220,11 +222,17 @@ void Relaxer::load_part(const PatchMesh& part, const Fans& fans, std::size_t p) 
   };
   const std::span levels(fans.level_first);
   const std::uint32_t point = start_.point[p], fan = start_.fan[p], ring = start_.ring[p];
-  std::copy(part.points.begin(), part.points.end(), points_.view().data() + point);
   copy(levels.first(levels.size() - 1), fan, level_first_.view().data() + start_.level[p]);
   copy(fans.vertex, point, vertex_.view().data() + fan);
   copy(fans.ring_first, ring, ring_first_.view().data() + fan);
   copy(fans.ring, point, ring_.view().data() + ring);
+}
+
+void Relaxer::load_points(std::span<PatchMesh* const> parts) {
+  const auto points = backend_.on_host(points_.view());
+  backend_.run(parts.size(), [&](std::size_t p) {
+    std::copy(parts[p]->points.begin(), parts[p]->points.end(), points.begin() + start_.point[p]);
+  });
 }
 
 void Relaxer::take_points(std::span<PatchMesh* const> parts) {

@@ -51,7 +51,8 @@ class Relaxer {
   void count(std::span<PatchMesh* const> parts, const std::vector<Fans>& fans);
   /// \return whether there is anything for a pass.
   bool load(std::span<PatchMesh* const> parts, bool inner_only);
-  void load_part(const PatchMesh& part, const Fans& fans, std::size_t p);
+  void load_fans(const Fans& fans, std::size_t p);
+  void load_points(std::span<PatchMesh* const> parts);
   void take_points(std::span<PatchMesh* const> parts);
   void move_by_gaps(PatchMesh& part, std::size_t p, Clearance& clearance);
   FanView view() const;

@@ -150,6 +150,19 @@ class Settling {
     return faults;
   }
 
+  /// One try: the mesh remeshed in the places and brought near again. \return its faults.
+  Faults remake(std::span<const CarefulPlace> places, const TriangleMesh& solid,
+                const Places& reached, TriangleMesh& mesh) const {
+    mesh = remesh_places(backend_, field_, sizes_, mesh, graded(places));
+    mesh = approached(solid, Places(places), std::move(mesh));
+    Faults faults = faults_of(mesh, solid, reached, {});
+    for (int again = 0; again < kAgain && !faults.far.empty(); ++again) {
+      mesh = approached(solid, wider(places, kSpread), std::move(mesh));
+      faults = faults_of(mesh, solid, reached, {});
+    }
+    return faults;
+  }
+
   /// Tries to make a place better: chains of tries, each chain from the best so far.
   /// \param work  triangles that may still be worked on; goes down by those that were.
   /// \return the faults left in the place, and near it where they have moved.
@@ -178,13 +191,7 @@ class Settling {
       if (places.empty()) continue;
       work -= std::min(work, mesh.triangle_count());
       if (work == 0) break;
-      mesh = remesh_places(backend_, field_, sizes_, mesh, graded(places));
-      mesh = approached(solid, Places(places), std::move(mesh));
-      faults = faults_of(mesh, solid, reached, {});
-      for (int again = 0; again < kAgain && !faults.far.empty(); ++again) {
-        mesh = approached(solid, wider(places, kSpread), std::move(mesh));
-        faults = faults_of(mesh, solid, reached, {});
-      }
+      faults = remake(places, solid, reached, mesh);
       if (faults.counts() >= fewest.counts()) continue;
       best = mesh;
       fewest = faults;
