@@ -44,12 +44,8 @@ Vec3 border_step(const SurfacePoint& p, const Ring& ring) {
 /// Sum over the triangles of the squared edge ratios, each at most kEnoughEquality.
 float fan_equality(const Ring& ring, const Vec3& p) {
   float sum = 0;
-  for (std::size_t i = 0; i < ring.triangles(); ++i) {
-    const Vec3 &q = ring[i].position, &r = ring[i + 1].position;
-    const float a = squared_norm(q - p), b = squared_norm(r - q), c = squared_norm(p - r);
-    const float longest = std::max({a, b, c});
-    if (longest > 0) sum += std::min(std::min({a, b, c}) / longest, kEnoughEquality);
-  }
+  for (std::size_t i = 0; i < ring.triangles(); ++i)
+    sum += std::min(edge_equality(p, ring[i].position, ring[i + 1].position), kEnoughEquality);
   return sum;
 }
 

@@ -29,10 +29,6 @@ bool any_poor(const WorkingSurface& surface) {
   return false;
 }
 
-void flip_parts(Backend& backend, std::span<PatchMesh* const> parts) {
-  for_each_part(backend, parts, [](PatchMesh& part) { flip_to_angle(part, 3); });
-}
-
 }  // namespace
 
 void finish(Backend& backend, const RemeshGoal& goal, WorkingSurface& surface) {
@@ -43,7 +39,7 @@ void finish(Backend& backend, const RemeshGoal& goal, WorkingSurface& surface) {
     const auto repair_parts = [&](float wanted, int passes) {
       for_each_part(backend, parts, [&](PatchMesh& part) { repair(part, goal, wanted, passes); });
     };
-    flip_parts(backend, parts);
+    for_each_part(backend, parts, [](PatchMesh& part) { flip_to_valence(part, 3); });
     if (round < kPlainRounds) {
       relaxer.smooth(parts, 2);
       repair_parts(kSine20, 2);
@@ -52,7 +48,7 @@ void finish(Backend& backend, const RemeshGoal& goal, WorkingSurface& surface) {
       relaxer.equalise(parts, 4);
       repair_parts(kSine40, 3);
       relaxer.equalise(parts, 4);
-      repair_parts(kSine25, 24);
+      if (round == kRounds - 1) repair_parts(kSine25, 24);
     }
     blocks.join();
   }
@@ -60,7 +56,7 @@ void finish(Backend& backend, const RemeshGoal& goal, WorkingSurface& surface) {
     SurfaceBlocks blocks(backend, {kBlock, 0.23f * static_cast<float>(round)}, surface);
     std::vector<PatchMesh*> parts = blocks.parts();
     std::erase_if(parts, [](const PatchMesh* part) { return !any_poor(*part); });
-    flip_parts(backend, parts);
+    for_each_part(backend, parts, [](PatchMesh& part) { flip_to_angle(part, 3); });
     relaxer.smooth(parts, 1);
     relaxer.equalise(parts, 8);
     for_each_part(backend, parts, [&](PatchMesh& part) { repair(part, goal, kSine25, 24); });

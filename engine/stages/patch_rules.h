@@ -16,6 +16,17 @@ namespace vasamesh {
 inline constexpr float kSine10 = 0.030154f, kSine20 = 0.116978f, kSine25 = 0.178606f,
                        kSine40 = 0.413176f;
 
+/// Squared ratio of a triangle's shortest edge to its longest: 1 where they are equal, 0 where all
+/// are points.
+inline float edge_equality(const Vec3& p, const Vec3& q, const Vec3& r) {
+  const float a = squared_norm(q - p), b = squared_norm(r - q), c = squared_norm(p - r);
+  const float longest = std::max({a, b, c});
+  return longest > 0 ? std::min({a, b, c}) / longest : 0.0f;
+}
+
+/// Of a triangle whose longest edge is 1.5 times its shortest.
+inline constexpr float kLeastEquality = 1 / 2.25f;
+
 /// Least cosine of the angle between a triangle and the surface at its corners.
 inline constexpr float kLeastFacing = 0.5f;
 /// The same for repairs.

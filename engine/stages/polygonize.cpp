@@ -25,7 +25,7 @@ namespace vasamesh {
 
 namespace {
 
-constexpr double kLeastTriangles = 120;  // for each piece, handle and cavity but one
+constexpr double kLeastTriangles = 120;  // for each handle and cavity but one
 constexpr int kFrontAttempts = 6;        // surfaces of mesh expanding
 constexpr int kRemeshAttempts = 3;       // then, of the base surface remeshed whole
 constexpr int kAims = 3;                 // attempts at a number of triangles
@@ -122,7 +122,7 @@ void Polygonizer::aim(double triangles) {
 }
 
 bool Polygonizer::is_worthwhile(const Topology& topology) const {
-  const auto features = static_cast<double>(topology.pieces + topology.handles + topology.cavities);
+  const auto features = static_cast<double>(topology.handles + topology.cavities);
   return sizes_.predicted_triangles >= kLeastTriangles * (features - 1);
 }
 
@@ -229,7 +229,7 @@ TriangleMesh Polygonizer::expanded() {
   scheduler_.begin("remesh", Stage::relax);
   TriangleMesh patches;
   if (!part.triangles.empty())
-    patches = remesh(relaxing(), field_.view(), sizes_.view(field_), part);
+    patches = remesh_patches(relaxing(), field_.view(), sizes_.view(field_), part);
   const TriangleMesh mesh = front_over(patches);
   scheduler_.begin("finish", Stage::relax);
   settled_ = false;
@@ -252,8 +252,8 @@ TriangleMesh Polygonizer::redone() {
     kept[t] = !near[v[0]] && !near[v[1]] && !near[v[2]];
   }
   const TriangleMesh patches =
-      joined(part_of(last_, kept),
-             remesh(relaxing(), field_.view(), sizes_.view(field_), part, where_base_stays(fresh)));
+      joined(part_of(last_, kept), remesh_patches(relaxing(), field_.view(), sizes_.view(field_),
+                                                  part, where_base_stays(fresh)));
   const TriangleMesh mesh = front_over(patches);
 
   scheduler_.begin("finish", Stage::relax);

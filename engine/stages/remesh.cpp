@@ -50,7 +50,6 @@ WorkingSurface remesh_base(Backend& backend, const RemeshGoal& goal, const Trian
     for (float shortest : kCoarsening) collapse_short_edges(part, shortest, kLongest);
   });
   run_rounds(backend, goal, kRounds, kRepairedRounds, surface);
-  finish(backend, goal, surface);
   return surface;
 }
 
@@ -58,6 +57,15 @@ WorkingSurface remesh_base(Backend& backend, const RemeshGoal& goal, const Trian
 
 TriangleMesh remesh(Backend& backend, const FieldView& field, const SizeView& sizes,
                     const TriangleMesh& mesh, std::span<const CarefulPlace> places) {
+  const Places careful(places);
+  const RemeshGoal goal = {field, sizes, &careful, false};
+  WorkingSurface surface = remesh_base(backend, goal, mesh);
+  finish(backend, goal, surface);
+  return make_mesh(surface);
+}
+
+TriangleMesh remesh_patches(Backend& backend, const FieldView& field, const SizeView& sizes,
+                            const TriangleMesh& mesh, std::span<const CarefulPlace> places) {
   const Places careful(places);
   return make_mesh(remesh_base(backend, {field, sizes, &careful, false}, mesh));
 }

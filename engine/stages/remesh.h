@@ -31,6 +31,10 @@ namespace vasamesh {
 TriangleMesh remesh(Backend& backend, const FieldView& field, const SizeView& sizes,
                     const TriangleMesh& mesh, std::span<const CarefulPlace> places = {});
 
+/// The same for patches whose surface is to be finished when it is whole.
+TriangleMesh remesh_patches(Backend& backend, const FieldView& field, const SizeView& sizes,
+                            const TriangleMesh& mesh, std::span<const CarefulPlace> places = {});
+
 /// Remeshes a surface once more in the places, to their shorter edges; elsewhere it stays.
 /// \param mesh  as for remesh().
 TriangleMesh remesh_places(Backend& backend, const FieldView& field, const SizeView& sizes,

@@ -37,9 +37,9 @@ constexpr std::size_t kChain = 3, kHalf = 12;  // tries
 constexpr float kPart[] = {1, 0.6f};           // of the place's radius, half by half
 constexpr int kAgain = 2;  // that a try is brought near again: one move may leave other points far
 constexpr std::size_t kWork = 3, kLeastWork = 100000;  // of all tries: times the mesh's triangles
-constexpr float kWidening = 2;  // voxel lengths round a small angle that is made wider
-constexpr float kBlock = 32;    // voxel lengths
-constexpr int kWideningRounds = 2, kWideningPasses = 12;
+constexpr float kMending = 2;  // voxel lengths round a triangle of poor shape
+constexpr float kBlock = 32;   // voxel lengths
+constexpr int kMendingRounds = 2, kEveningPasses = 4, kWideningPasses = 12;
 constexpr float kGrowth[] = {1, 1.35f, 1.7f, 2.2f};
 
 /// What is wrong with a surface, and where.
@@ -76,6 +76,20 @@ void find_poor_triangles(const TriangleMesh& mesh, Faults& faults) {
   }
 }
 
+/// The middles of the triangles in the places, or of all if there are none, with an edge more than
+/// 1.5 times as long as another.
+std::vector<Vec3> uneven_triangles(const TriangleMesh& mesh, const Places& within) {
+  std::vector<Vec3> middles;
+  for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
+    const std::uint32_t* v = &mesh.triangles[3 * t];
+    const Vec3 a = vertex_at(mesh, v[0]), b = vertex_at(mesh, v[1]), c = vertex_at(mesh, v[2]);
+    if (edge_equality(a, b, c) >= kLeastEquality) continue;
+    const Vec3 middle = (1.0f / 3) * ((a + b) + c);
+    if (within.empty() || within.hold(middle)) middles.push_back(middle);
+  }
+  return middles;
+}
+
 /// Places with the same factors in their middles, and longer edges from there out.
 std::vector<CarefulPlace> graded(std::span<const CarefulPlace> places) {
   std::vector<CarefulPlace> balls;
@@ -103,7 +117,8 @@ class Settling {
       : backend_(backend), field_(field), sizes_(sizes), bounds_(bounds) {}
 
   /// The vertices near the places brought back to the base surface and to marching cubes, then the
-  /// surface there to all of marching cubes; then the small angles that there are made wider.
+  /// surface there to all of marching cubes; then the triangles of poor shape
+  /// mended.
   TriangleMesh approached(const TriangleMesh& solid, const Places& places,
                           TriangleMesh mesh) const {
     const float near = kNearShare * bounds_.limit;
@@ -113,21 +128,27 @@ class Settling {
                       std::move(mesh), places);
     const std::vector<Vec3> far =
         points_beyond(backend_, near, solid, mesh, build_triangle_tree(backend_, mesh), places);
-    return widened(approach(backend_, field_, sizes_, far, near, std::move(mesh)));
+    return mended(approach(backend_, field_, sizes_, far, near, std::move(mesh)), places);
   }
 
-  /// The surface with its small angles made wider.
-  TriangleMesh widened(TriangleMesh mesh) const {
+  /// The surface with its small angles made wider, and with edges of more equal lengths near the
+  /// places.
+  TriangleMesh mended(TriangleMesh mesh, const Places& within) const {
+    std::vector<Vec3> poor = uneven_triangles(mesh, within);
     Faults faults;
     find_poor_triangles(mesh, faults);
-    const std::vector<Vec3> poor = faults.within({});
+    for (const auto* some : {&faults.sharp, &faults.poor})
+      poor.insert(poor.end(), some->begin(), some->end());
     if (poor.empty()) return mesh;
-    const Places places(places_at(poor, kWidening, 1));
+    const Places places(places_at(poor, kMending, 1));
     const RemeshGoal goal = {field_, sizes_, &places, true};
     WorkingSurface surface = make_working_surface(backend_, goal, mesh);
-    for (int round = 0; round < kWideningRounds; ++round)
+    for (int round = 0; round < kMendingRounds; ++round)
       for_each_block(backend_, {kBlock, 0.1f + 0.5f * static_cast<float>(round)}, surface,
-                     [](PatchMesh& part) { widen_angles(part, kWideningPasses); });
+                     [](PatchMesh& part) {
+                       even_edges(part, kEveningPasses);
+                       widen_angles(part, kWideningPasses);
+                     });
     return make_mesh(surface);
   }
 

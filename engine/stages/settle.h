@@ -1,9 +1,9 @@
 #pragma once
 
 /// \file
-/// The last step of every adaptive surface: it is brought near the segmentation (approach.h), and
-/// where that leaves it too far or makes triangles with small angles, remeshed there with shorter
-/// edges, and brought near again.
+/// The last step of every adaptive surface: it is brought near the segmentation (approach.h), its
+/// triangles of poor shape are mended (even_edges, widen_angles), and where it is still too far or
+/// has small angles, it is remeshed there with shorter edges, and brought near again.
 
 #include <span>
 #include <vector>
