@@ -33,14 +33,18 @@ struct StateHalo {
     for (int z = -kMargin; z < 8 + kMargin; ++z)
       for (int y = -kMargin; y < 8 + kMargin; ++y) {
         std::uint8_t* row = values + at(0, y, z);
-        const std::size_t first = node_at(near, 0, y, z);
-        for (int x = 0; x < 8; ++x) row[x] = first == kNoNode ? kMissing : state[first + x];
-        for (int x = 1; x <= kMargin; ++x) {
-          const std::size_t left = node_at(near, -x, y, z), right = node_at(near, 7 + x, y, z);
-          row[-x] = left == kNoNode ? kMissing : state[left];
-          row[7 + x] = right == kNoNode ? kMissing : state[right];
-        }
+        take(node_at(near, -kMargin, y, z), kMargin, state, row - kMargin);
+        take(node_at(near, 0, y, z), 8, state, row);
+        take(node_at(near, 8, y, z), kMargin, state, row + 8);
       }
+  }
+
+  /// The states of nodes in a row of a brick.
+  static void take(std::size_t first, int count, const std::uint8_t* state, std::uint8_t* to) {
+    if (first == kNoNode)
+      std::fill_n(to, count, kMissing);
+    else
+      std::copy_n(state + first, count, to);
   }
 
   static constexpr std::uint8_t kMissing = 0x80;
@@ -119,13 +123,22 @@ class FarTest {
       const Position corner = {static_cast<float>(node_.x), static_cast<float>(node_.y),
                                static_cast<float>(node_.z)};
       if (corner_ + std::sqrt(test_.square(corner, middle)) <= test_.limit_) return false;
-      if (crossings_.empty()) crossings_ = test_.crossings_round(node_);
-      return std::none_of(crossings_.begin(), crossings_.end(), [&](const Position& p) {
-        return test_.square(p, middle) <= test_.limit_ * test_.limit_;
-      });
+      return !crossing_near(middle);
     }
 
    private:
+    /// Whether a crossing round the node lies within the limit of a point. No more of them are
+    /// looked for than it takes.
+    bool crossing_near(const Position& point) {
+      std::size_t seen = 0;
+      while (true) {
+        for (; seen < crossings_.size(); ++seen)
+          if (test_.square(crossings_[seen], point) <= test_.limit_ * test_.limit_) return true;
+        if (searched_ == test_.search_.size()) return false;
+        test_.add_crossings(node_, test_.search_[searched_++], crossings_);
+      }
+    }
+
     Position at(int face) const { return face_at(node_.x, node_.y, node_.z, face); }
 
     const FarTest& test_;
@@ -133,6 +146,7 @@ class FarTest {
     float corner_;                  // from the corner to the surface, from above
     std::array<float, 12> face_{};  // from the face centres
     std::vector<Position> crossings_;
+    std::size_t searched_ = 0;  // of the offsets of the search
   };
 
   bool is_far(const Node& node) const {
@@ -271,25 +285,21 @@ class FarTest {
     return false;
   }
 
-  /// Where the surface crosses the edges of the nodes near a node.
-  std::vector<Position> crossings_round(const Node& node) const {
-    std::vector<Position> found;
-    for (const FarOffset& reach : search_) {
-      const int x = node.x + reach.x, y = node.y + reach.y, z = node.z + reach.z;
-      if (std::min({x, y, z}) < -7 || std::max({x, y, z}) > 14) continue;
-      const std::size_t own = node_at(node.near, x, y, z);
-      if (own == kNoNode) continue;
-      for (std::size_t d = 0; d < 7; ++d) {
-        const NodeOffset o = kLink[d];
-        const std::size_t other = node_at(node.near, x + o.x, y + o.y, z + o.z);
-        if (other == kNoNode || !differ(own, other)) continue;
-        const float t = crossing(own, other);
-        found.push_back({static_cast<float>(x) + t * static_cast<float>(o.x),
-                         static_cast<float>(y) + t * static_cast<float>(o.y),
-                         static_cast<float>(z) + t * static_cast<float>(o.z)});
-      }
+  /// Where the surface crosses the edges of the node at an offset from another.
+  void add_crossings(const Node& node, const FarOffset& reach, std::vector<Position>& found) const {
+    const int x = node.x + reach.x, y = node.y + reach.y, z = node.z + reach.z;
+    if (std::min({x, y, z}) < -7 || std::max({x, y, z}) > 14) return;
+    const std::size_t own = node_at(node.near, x, y, z);
+    if (own == kNoNode) return;
+    for (std::size_t d = 0; d < 7; ++d) {
+      const NodeOffset o = kLink[d];
+      const std::size_t other = node_at(node.near, x + o.x, y + o.y, z + o.z);
+      if (other == kNoNode || !differ(own, other)) continue;
+      const float t = crossing(own, other);
+      found.push_back({static_cast<float>(x) + t * static_cast<float>(o.x),
+                       static_cast<float>(y) + t * static_cast<float>(o.y),
+                       static_cast<float>(z) + t * static_cast<float>(o.z)});
     }
-    return found;
   }
 
   BrickView bricks_;
