@@ -160,6 +160,9 @@ TEST_F(BadVolume, MoreMemoryThanAllowed) {
   expect_error(write_nifti(header_), ErrorCode::refused, "64 bytes of memory, 63 are allowed",
                "--max-memory", {.max_memory = 63});
   EXPECT_NO_THROW(read_segmentation(write_nifti(header_), {.max_memory = 64}));
+  // 4 x 4 rows of 4 voxels, a byte each.
+  EXPECT_NO_THROW(read_packed(write_nifti(header_), {.max_memory = 16}));
+  EXPECT_THROW(read_packed(write_nifti(header_), {.max_memory = 15}), Error);
 }
 
 TEST_F(BadVolume, NotThreeDimensional) {
