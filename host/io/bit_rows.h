@@ -65,9 +65,9 @@ class BitRows {
 
   template <class IsObject>
   static bool is_clear(std::size_t first, const IsObject& is_object) {
-    bool any = false;
-    for (std::size_t i = 0; i < kBlock; ++i) any |= is_object(first + i);
-    return !any;
+    std::uint8_t any = 0;  // compilers do several bytes at once, but no bool
+    for (std::size_t i = 0; i < kBlock; ++i) any |= is_object(first + i) ? 1 : 0;
+    return any == 0;
   }
 
   /// A part of a byte may be beside another thread's.

@@ -80,8 +80,9 @@ class Marker {
     const T* first = std::find_if(pixels, end, [](T pixel) { return pixel != 0; });
     if (first == end) return;
     const T sole = agree_on(*first);
-    bool other = false;
-    for (const T* pixel = first; pixel != end; ++pixel) other |= *pixel != 0 && *pixel != sole;
+    std::uint8_t other = 0;
+    for (const T* pixel = first; pixel != end; ++pixel)
+      other |= (*pixel != 0) & (*pixel != sole) ? 1 : 0;
     if (other) several_ = true;
   }
 
