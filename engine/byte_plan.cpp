@@ -4,7 +4,7 @@ namespace vasamesh {
 
 namespace {
 
-constexpr std::size_t kLeastOfAPoint = 500, kMostOfAPoint = 2000;
+constexpr std::size_t kLeastOfAPoint = 350, kMostOfAPoint = 2000;
 constexpr std::size_t kMostOfAWord = 6 * sizeof(std::uint64_t);
 
 }  // namespace

@@ -89,17 +89,13 @@ TriangleMesh proven_base(const Lattice& lattice, Scheduler& scheduler, const Sol
   return mesh;
 }
 
-/// The whole method, in the order of the paper.
-Result run_pipeline(const VolumeView& volume, const Parameters& parameters, Scheduler& scheduler) {
+/// The segmentation as a solid, packed into bits that stay with the caller.
+Solid examined(const VolumeView& volume, const Parameters& parameters, Scheduler& scheduler,
+               BitVolume& object) {
+  scheduler.begin("input", Stage::points);
   Backend& host = scheduler.host();
   Backend& points_on = scheduler.backend_for(Stage::points);
-  Result result;
-  Report& report = result.report;
-  report.geometry = volume.geometry;
-  report.parameters = parameters;
-
-  scheduler.begin("input", Stage::points);
-  BitVolume object = pack_volume(points_on, volume);
+  object = pack_volume(points_on, volume);
   points_on.on_host(object.words.view());
   Solid solid = examine_solid(host, object.view(), volume.geometry.size, parameters.connectivity);
   if (parameters.min_component > 1)
@@ -111,10 +107,14 @@ Result run_pipeline(const VolumeView& volume, const Parameters& parameters, Sche
   const auto [least, most] =
       std::minmax_element(volume.geometry.spacing.begin(), volume.geometry.spacing.end());
   solid.findings.anisotropy = *most / *least;
+  return solid;
+}
 
+/// The samples of the segmentation's boundary, with their normals.
+PointCloud oriented_points(const BitVolume& object, const Scale& scale,
+                           const Parameters& parameters, Scheduler& scheduler, Report& report) {
   scheduler.begin("points", Stage::points);
-  const Scale scale = make_scale(volume.geometry);
-  PointCloud points = extract_points(points_on, object, scale);
+  PointCloud points = extract_points(scheduler.backend_for(Stage::points), object, scale);
   report.points = static_cast<std::int64_t>(points.count);
   report.thin_points = static_cast<std::int64_t>(points.thin_count);
 
@@ -124,6 +124,14 @@ Result run_pipeline(const VolumeView& volume, const Parameters& parameters, Sche
 
   scheduler.begin("normals", Stage::normals);
   estimate_normals(scheduler.backend_for(Stage::normals), object, scale, parameters, points);
+  return points;
+}
+
+/// The cell lattice with the solid's labels and the indicator function's values. Points and octree
+/// are gone once it is there.
+Lattice sampled_lattice(const BitVolume& object, const Scale& scale, const Parameters& parameters,
+                        Scheduler& scheduler, Report& report) {
+  const PointCloud points = oriented_points(object, scale, parameters, scheduler, report);
 
   scheduler.begin("octree", Stage::octree);
   Backend& octree_on = scheduler.backend_for(Stage::octree);
@@ -135,26 +143,58 @@ Result run_pipeline(const VolumeView& volume, const Parameters& parameters, Sche
   subtract_isovalue(scheduler.backend_for(Stage::poisson), points, scale, octree);
 
   scheduler.begin("topology", Stage::lattice);
-  Lattice lattice = build_lattice(scheduler.backend_for(Stage::lattice), object, points, scale,
-                                  octree, parameters);
+  return build_lattice(scheduler.backend_for(Stage::lattice), object, points, scale, octree,
+                       parameters);
+}
+
+/// The segmentation carried over to the cell lattice: what the surface must be, and where it runs.
+struct Labelled {
+  std::array<int, 3> size;  ///< padded voxels along each axis
+  Scale scale;
+  Solid solid;
+  Lattice lattice;
+};
+
+Labelled label(const VolumeView& volume, const Parameters& parameters, Scheduler& scheduler,
+               Report& report) {
+  BitVolume object;
+  Solid solid = examined(volume, parameters, scheduler, object);
+  const Scale scale = make_scale(volume.geometry);
+  Lattice lattice = sampled_lattice(object, scale, parameters, scheduler, report);
   std::vector<Closing> closings;
   report.relabel =
       relabel(scheduler, scale, lattice, parameters.close_handles ? &closings : nullptr);
-
   report.input = solid.findings;
   take_off(closings, solid, report.relabel);
-  const SolidMatch wanted = {&solid, volume.geometry, parameters.space};
-  std::optional<TriangleMesh> adaptive;
+  return {object.size, scale, std::move(solid), std::move(lattice)};
+}
+
+/// The surface that is asked for, with its check and its making in the report.
+TriangleMesh proven_mesh(const Labelled& labelled, const Parameters& parameters,
+                         const SolidMatch& wanted, Scheduler& scheduler, Report& report) {
   if (parameters.surface == SurfaceKind::adaptive) {
     scheduler.begin("surface", Stage::surface);
-    TriangleMesh base = extract_base_surface(scheduler.backend_for(Stage::surface), lattice);
-    Polygonizer polygonizer(scheduler, lattice, object.size, scale, std::move(base), parameters);
-    if (polygonizer.is_worthwhile(solid.topology))
-      adaptive = proven_surface(polygonizer, scheduler, wanted, report);
+    Polygonizer polygonizer(
+        scheduler, labelled.lattice, labelled.size, labelled.scale,
+        extract_base_surface(scheduler.backend_for(Stage::surface), labelled.lattice), parameters);
+    if (polygonizer.is_worthwhile(labelled.solid.topology))
+      if (std::optional<TriangleMesh> mesh = proven_surface(polygonizer, scheduler, wanted, report))
+        return std::move(*mesh);
   }
-  result.mesh = adaptive ? std::move(*adaptive) : proven_base(lattice, scheduler, wanted, report);
+  return proven_base(labelled.lattice, scheduler, wanted, report);
+}
+
+/// The whole method, in the order of the paper. What the next step does not need is gone before it.
+Result run_pipeline(const VolumeView& volume, const Parameters& parameters, Scheduler& scheduler) {
+  Result result;
+  Report& report = result.report;
+  report.geometry = volume.geometry;
+  report.parameters = parameters;
+  const Labelled labelled = label(volume, parameters, scheduler, report);
+  const SolidMatch wanted = {&labelled.solid, volume.geometry, parameters.space};
+  result.mesh = proven_mesh(labelled, parameters, wanted, scheduler, report);
   scheduler.begin("quality", Stage::mesh);
-  report.quality = measure_quality(host, result.mesh);
+  report.quality = measure_quality(scheduler.host(), result.mesh);
   scheduler.end();
   report.stages = scheduler.take_reports();
   return result;

@@ -45,6 +45,14 @@ void Conversion::solve() {
   levels_.clear();
   solve_poisson(scheduler_, parameters_, octree_, levels_);
 }
+void Conversion::assemble_anew() {
+  build_tree();
+  assemble();
+}
+void Conversion::solve_anew() {
+  assemble_anew();
+  solve();
+}
 void Conversion::subtract() { subtract_isovalue(backend_, points_, scale_, octree_); }
 void Conversion::label() {
   lattice_ = build_lattice(backend_, object_, points_, scale_, octree_, parameters_);

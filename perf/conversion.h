@@ -10,9 +10,9 @@
 #include "phantom/phantom.h"
 #include "scheduler.h"
 #include "stages/lattice.h"
-#include "stages/relabel.h"
 #include "stages/octree.h"
 #include "stages/points.h"
+#include "stages/relabel.h"
 #include "stages/topology_count.h"
 
 namespace vasamesh {
@@ -31,6 +31,8 @@ class Conversion {
   void assemble();
   void solve();
   void subtract();
+  void assemble_anew();  ///< from the points on: a solve uses up what it was given
+  void solve_anew();
   void label();
   void relabel_nodes();
   void make_surface();
@@ -85,8 +87,9 @@ inline constexpr ConversionStage kConversionStages[] = {
     {"normals", &Conversion::estimate, nullptr, &Conversion::estimate_floor},
     {"octree_build", &Conversion::build_tree, nullptr, &Conversion::build_tree_floor},
     {"octree_assemble", &Conversion::assemble, nullptr, &Conversion::assemble_floor},
-    {"poisson_solve", &Conversion::solve, nullptr, &Conversion::solve_floor},
-    {"poisson_isovalue", &Conversion::subtract, &Conversion::solve, &Conversion::subtract_floor},
+    {"poisson_solve", &Conversion::solve, &Conversion::assemble_anew, &Conversion::solve_floor},
+    {"poisson_isovalue", &Conversion::subtract, &Conversion::solve_anew,
+     &Conversion::subtract_floor},
     {"topology_label", &Conversion::label, nullptr, &Conversion::label_floor},
     {"topology_relabel", &Conversion::relabel_nodes, &Conversion::label,
      &Conversion::relabel_floor},

@@ -5,12 +5,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cmath>
 #include <filesystem>
 #include <limits>
 #include <numeric>
 #include <random>
 
+#include "io/volume_formats.h"
 #include "io/volume_reader.h"
 #include "support/full_disk.h"
 #include "support/itk_volumes.h"
@@ -114,6 +116,40 @@ TEST_F(BadVolume, TruncatedOrCorruptGzip) {
   expect_bad(write("bad.nii.gz", length), "corrupt", "whole copy");
 }
 
+/// A compressed volume of 52 chunks of the reader, more than it has in hand at once.
+std::string long_stream() {
+  std::mt19937 random(6);
+  std::string pixels(190 * 190 * 190, '\0');
+  for (char& pixel : pixels) pixel = random() % 3 == 0;
+  return gzip(nifti_file(nifti_header(190, 190, 190), pixels), 1);
+}
+
+TEST_F(BadVolume, DamageInTheMiddleOfALongStream) {
+  const std::string whole = long_stream();
+  EXPECT_NO_THROW(read_packed(write("good.nii.gz", whole)));
+  expect_bad(write("bad.nii.gz", whole.substr(0, whole.size() / 2)), "truncated", "whole copy");
+  std::string altered = whole;
+  altered[whole.size() / 2] ^= 0x55;
+  expect_bad(write("bad.nii.gz", altered), "corrupt", "whole copy");
+}
+
+TEST_F(BadVolume, WhatAVisitorThrowsEndsTheReading) {
+  const Volume volume = open_nifti(write("good.nii.gz", long_stream()));
+  std::atomic<int> chunks{0};
+  const auto visit = [&] {
+    volume.pixels->visit([&](const PixelChunk&) {
+      if (++chunks >= 3) throw Error(ErrorCode::cancelled, "enough");
+    });
+  };
+  try {
+    visit();
+    ADD_FAILURE() << "nothing was thrown";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::cancelled);
+  }
+  EXPECT_LT(chunks, 30);
+}
+
 TEST_F(BadVolume, TruncatedCompressedMetaAndNrrd) {
   const Geometry geometry{{kSide, kSide, kSide}, {1, 1, 1}, {0, 0, 0}, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
   const std::vector<std::uint8_t> pixels(kPixels.begin(), kPixels.end());
@@ -160,6 +196,9 @@ TEST_F(BadVolume, MoreMemoryThanAllowed) {
   expect_error(write_nifti(header_), ErrorCode::refused, "64 bytes of memory, 63 are allowed",
                "--max-memory", {.max_memory = 63});
   EXPECT_NO_THROW(read_segmentation(write_nifti(header_), {.max_memory = 64}));
+  // 4 x 4 rows of 4 voxels, a byte each.
+  EXPECT_NO_THROW(read_packed(write_nifti(header_), {.max_memory = 16}));
+  EXPECT_THROW(read_packed(write_nifti(header_), {.max_memory = 15}), Error);
 }
 
 TEST_F(BadVolume, NotThreeDimensional) {

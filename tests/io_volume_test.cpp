@@ -291,6 +291,26 @@ TEST(Shapes, OneSliceTwoAxesAndTrailingAxes) {
   }
 }
 
+// Rows of 61 voxels, in several chunks of the file: their ends share bytes.
+TEST(Packed, ABitAVoxelInRowsOfWholeBytes) {
+  const Scratch scratch;
+  const Geometry geometry = large_geometry();
+  const auto mask = random_mask(count_of(geometry), 5);
+  write_itk(scratch / "a.nii.gz", geometry, mask, true);
+  const PackedSegmentation packed = read_packed(scratch / "a.nii.gz");
+  expect_near(packed.geometry, geometry);
+  const std::size_t length = 61, row_bytes = 8;
+  ASSERT_EQ(packed.bits.size(), row_bytes * 53 * 47);
+  for (std::size_t row = 0; row < 53 * 47; ++row)
+    for (std::size_t x = 0; x < 8 * row_bytes; ++x)
+      ASSERT_EQ(packed.bits[row * row_bytes + x / 8] >> (x % 8) & 1,
+                x < length ? mask[row * length + x] : 0)
+          << row << " " << x;
+  const VolumeView view = packed.view();
+  EXPECT_EQ(view.format, VoxelFormat::bits);
+  EXPECT_EQ(view.data, packed.bits.data());
+}
+
 /// Writes int16 values into a volume of one row and reads it.
 std::vector<std::uint8_t> select(const std::vector<std::int16_t>& values,
                                  const ReadOptions& options = {}) {

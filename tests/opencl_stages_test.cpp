@@ -70,13 +70,17 @@ void add_points(Trace& trace, const PointCloud& points) {
   trace.add("octants", points.octants.view());
 }
 
-void add_octree(Trace& trace, const Octree& octree) {
+void add_equation(Trace& trace, const Octree& octree) {
   for (const OctreeLevel& level : octree.levels) {
     const std::string at = " of level " + std::to_string(level.exponent);
     trace.add("unknown" + at, level.unknown.view());
     trace.add("right-hand side" + at, level.right_hand_side.view());
-    trace.add("solution" + at, level.solution.view());
   }
+}
+
+void add_solution(Trace& trace, const Octree& octree) {
+  for (const OctreeLevel& level : octree.levels)
+    trace.add("solution of level " + std::to_string(level.exponent), level.solution.view());
 }
 
 /// The stages one after the other.
@@ -95,10 +99,11 @@ Trace run_stages(std::shared_ptr<Backend> on, const VolumeView& volume,
   add_points(trace, points);
   Octree octree = build_octree(backend, points, scale, parameters);
   assemble_poisson(backend, points, scale, parameters, octree);
+  add_equation(trace, octree);
   std::vector<LevelReport> levels;
   solve_poisson(scheduler, parameters, octree, levels);
   subtract_isovalue(backend, points, scale, octree);
-  add_octree(trace, octree);
+  add_solution(trace, octree);
   Lattice lattice = build_lattice(backend, object, points, scale, octree, parameters);
   trace.add("solid labels", lattice.state.view());
   trace.add("sampled values", lattice.values.view());

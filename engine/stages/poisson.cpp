@@ -134,6 +134,8 @@ void solve_poisson(Scheduler& scheduler, const Parameters& parameters, Octree& o
                                    level.right_hand_side.view(), level.solution.view(), iterations,
                                    workspace);
     }
+    level.right_hand_side = {};
+    level.unknown = {};
     LevelReport report;
     report.depth = octree.depth(level);
     const std::int64_t side = std::int64_t{3 * kBrickSide} << i;

@@ -56,7 +56,9 @@ SolveOutcome conjugate_gradient(Backend& backend, const LevelView& level,
 void assemble_poisson(Backend& backend, const PointCloud& points, const Scale& scale,
                       const Parameters& parameters, Octree& octree);
 
-/// Fills `solution` of every level, coarse to fine.
+/// Fills `solution` of every level, coarse to fine. Gives back `right_hand_side` and `unknown` of
+/// each once it is solved: with the solver's arrays for the finest they would be the most that a
+/// conversion holds.
 void solve_poisson(Scheduler& scheduler, const Parameters& parameters, Octree& octree,
                    std::vector<LevelReport>& reports);
 

@@ -31,7 +31,8 @@ struct OctreeLevel {
   Buffer<std::int32_t> parents;   ///< a brick: 27 bricks of the next coarser level round its
                                   ///< parent; empty at the root
   Buffer<std::uint8_t> unknown;   ///< a cell: 1 is solved for, 0 keeps the coarser level's value
-  Buffer<float> right_hand_side;  ///< a cell: -volume * divergence of the splatted field
+  Buffer<float> right_hand_side;  ///< a cell: -volume * divergence of the splatted field; like
+                                  ///< `unknown` empty once the level is solved
   Buffer<float> solution;         ///< a cell: coefficient of the quadratic B-spline
 
   LevelView view() const { return {exponent, bricks.view(), weights}; }

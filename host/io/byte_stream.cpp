@@ -13,7 +13,7 @@ namespace vasamesh {
 namespace {
 
 constexpr std::size_t kInputBytes = std::size_t{1} << 18;
-constexpr int kDetectGzipOrZlib = 15 + 32;
+constexpr std::uint8_t kGzipMagic = 0x1f;  // no zlib stream begins so
 
 }  // namespace
 
@@ -28,11 +28,9 @@ ByteStream::ByteStream(const std::string& path, std::int64_t offset, Encoding en
   }
   if (encoding_ == Encoding::raw) return;
   input_.resize(kInputBytes);
-  if (inflateInit2(&zlib_, kDetectGzipOrZlib) != Z_OK) throw std::bad_alloc();
-}
-
-ByteStream::~ByteStream() {
-  if (encoding_ == Encoding::deflate) inflateEnd(&zlib_);
+  inflate_ = std::make_unique_for_overwrite<inflate_state>();
+  isal_inflate_init(inflate_.get());
+  if (!start_first_member()) throw_truncated();
 }
 
 std::size_t ByteStream::read(void* to, std::size_t bytes) {
@@ -60,6 +58,11 @@ std::int64_t ByteStream::finish() {
   return left;
 }
 
+void ByteStream::throw_truncated() const {
+  throw_bad_input(path_, "truncated: its compressed data end early",
+                  "get a whole copy of the file");
+}
+
 std::size_t ByteStream::read_raw(void* to, std::size_t bytes) {
   const std::size_t got = std::fread(to, 1, bytes, file_.get());
   if (got < bytes && std::ferror(file_.get())) {
@@ -70,35 +73,42 @@ std::size_t ByteStream::read_raw(void* to, std::size_t bytes) {
 }
 
 bool ByteStream::refill() {
-  zlib_.next_in = input_.data();
-  zlib_.avail_in = static_cast<uInt>(read_raw(input_.data(), input_.size()));
-  return zlib_.avail_in > 0;
+  inflate_->next_in = input_.data();
+  inflate_->avail_in = static_cast<std::uint32_t>(read_raw(input_.data(), input_.size()));
+  return inflate_->avail_in > 0;
+}
+
+bool ByteStream::start_first_member() {
+  if (!refill()) return false;
+  inflate_->crc_flag = inflate_->next_in[0] == kGzipMagic ? ISAL_GZIP : ISAL_ZLIB;
+  return true;
 }
 
 // A gzip file may hold several members, one after the other; anything else that follows the end is
 // padding.
 bool ByteStream::start_next_member() {
-  if (zlib_.avail_in == 0 && !refill()) return false;
-  return zlib_.next_in[0] == 0x1f && inflateReset(&zlib_) == Z_OK;
+  if (inflate_->crc_flag != ISAL_GZIP) return false;
+  if (inflate_->avail_in == 0 && !refill()) return false;
+  if (inflate_->next_in[0] != kGzipMagic) return false;
+  isal_inflate_reset(inflate_.get());
+  return true;
 }
 
+// ISA-L returns when the input or the output is used up; it may have output left of input that is.
 std::size_t ByteStream::inflate_to(void* to, std::size_t bytes) {
-  zlib_.next_out = static_cast<Bytef*>(to);
-  zlib_.avail_out = static_cast<uInt>(bytes);
-  while (zlib_.avail_out > 0 && !ended_) {
-    if (zlib_.avail_in == 0 && !refill()) {
-      throw_bad_input(path_, "truncated: its compressed data end early",
-                      "get a whole copy of the file");
-    }
-    const int code = inflate(&zlib_, Z_NO_FLUSH);
-    if (code == Z_STREAM_END) {
-      ended_ = !start_next_member();
-    } else if (code != Z_OK && code != Z_BUF_ERROR) {
+  inflate_->next_out = static_cast<std::uint8_t*>(to);
+  inflate_->avail_out = static_cast<std::uint32_t>(bytes);
+  while (inflate_->avail_out > 0 && !ended_) {
+    if (isal_inflate(inflate_.get()) != ISAL_DECOMP_OK) {
       throw_bad_input(path_, "corrupt: its compressed data do not match their checksum",
                       "get a whole copy of the file");
     }
+    if (inflate_->block_state == ISAL_BLOCK_FINISH)
+      ended_ = !start_next_member();
+    else if (inflate_->avail_out > 0 && !refill())
+      throw_truncated();
   }
-  return bytes - zlib_.avail_out;
+  return bytes - inflate_->avail_out;
 }
 
 std::int64_t file_size(const std::string& path) {

@@ -3,8 +3,9 @@
 /// \file
 /// The bytes of a file, or of a part of it, decompressed as they are read and proven by their
 /// checksum at the end. Image libraries stop at the last voxel and so never see the checksum.
+/// Deflate (RFC 1950 to 1952) is decoded by ISA-L, several times as fast as by zlib.
 
-#include <zlib.h>
+#include <isa-l/igzip_lib.h>
 
 #include <cstddef>
 #include <cstdint>
@@ -22,9 +23,6 @@ class ByteStream {
  public:
   /// From byte `offset` of the file. \throws Error bad_input: no such file, unreadable.
   ByteStream(const std::string& path, std::int64_t offset, Encoding encoding);
-  ~ByteStream();
-  ByteStream(const ByteStream&) = delete;
-  ByteStream& operator=(const ByteStream&) = delete;
 
   /// Reads up to `bytes`; fewer only at the end. \throws Error bad_input: corrupt, truncated.
   std::size_t read(void* to, std::size_t bytes);
@@ -39,7 +37,9 @@ class ByteStream {
   std::size_t read_raw(void* to, std::size_t bytes);
   std::size_t inflate_to(void* to, std::size_t bytes);
   bool refill();
+  bool start_first_member();
   bool start_next_member();
+  [[noreturn]] void throw_truncated() const;
 
   struct Close {
     void operator()(std::FILE* file) const { std::fclose(file); }
@@ -48,7 +48,7 @@ class ByteStream {
   std::unique_ptr<std::FILE, Close> file_;
   Encoding encoding_;
   std::vector<unsigned char> input_;
-  z_stream zlib_{};
+  std::unique_ptr<inflate_state> inflate_;  ///< none where nothing is encoded
   bool ended_ = false;
 };
 

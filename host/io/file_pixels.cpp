@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
+#include <memory>
 #include <vector>
 
 #include "io/io_error.h"
@@ -19,12 +20,12 @@ constexpr std::size_t kChunksInFlight = 8;
 
 struct Chunk {
   std::size_t first = 0, count = 0;
-  std::vector<unsigned char> bytes;
+  std::unique_ptr<unsigned char[]> bytes;
 };
 
-void swap_bytes(std::vector<unsigned char>& bytes, std::size_t width) {
-  for (std::size_t i = 0; i + width <= bytes.size(); i += width) {
-    std::reverse(bytes.begin() + i, bytes.begin() + i + width);
+void swap_bytes(const Chunk& chunk, std::size_t width) {
+  for (std::size_t i = 0; i < chunk.count; ++i) {
+    std::reverse(&chunk.bytes[i * width], &chunk.bytes[i * width] + width);
   }
 }
 
@@ -41,7 +42,7 @@ void rescale(const unsigned char* bytes, std::size_t count, double slope, double
 std::vector<float> rescaled(const Chunk& chunk, const PixelLayout& layout) {
   std::vector<float> values(chunk.count);
   const auto run = [&]<class T>(T) {
-    rescale<T>(chunk.bytes.data(), chunk.count, layout.slope, layout.intercept, values.data());
+    rescale<T>(chunk.bytes.get(), chunk.count, layout.slope, layout.intercept, values.data());
   };
   visit_pixel_type(layout.type, run);
   return values;
@@ -77,8 +78,9 @@ class FilePixels final : public PixelSource {
     auto chunk = std::make_shared<Chunk>();
     chunk->first = next;
     chunk->count = std::min(left, kChunkPixels);
-    chunk->bytes.resize(chunk->count * pixel_bytes(layout_.type));
-    if (stream.read(chunk->bytes.data(), chunk->bytes.size()) != chunk->bytes.size()) {
+    const std::size_t bytes = chunk->count * pixel_bytes(layout_.type);
+    chunk->bytes = std::make_unique_for_overwrite<unsigned char[]>(bytes);
+    if (stream.read(chunk->bytes.get(), bytes) != bytes) {
       throw_bad_input(path_, "truncated: it holds fewer voxels than its header says",
                       "get a whole copy of the file");
     }
@@ -87,9 +89,9 @@ class FilePixels final : public PixelSource {
   }
 
   void visit_chunk(Chunk& chunk, const ChunkVisitor& visitor) const {
-    if (layout_.swap_bytes) swap_bytes(chunk.bytes, pixel_bytes(layout_.type));
+    if (layout_.swap_bytes) swap_bytes(chunk, pixel_bytes(layout_.type));
     if (layout_.slope == 1 && layout_.intercept == 0) {
-      visitor({chunk.first, chunk.count, layout_.type, chunk.bytes.data()});
+      visitor({chunk.first, chunk.count, layout_.type, chunk.bytes.get()});
     } else {
       const std::vector<float> values = rescaled(chunk, layout_);
       visitor({chunk.first, chunk.count, PixelType::float32, values.data()});

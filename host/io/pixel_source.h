@@ -61,7 +61,8 @@ class PixelSource {
  public:
   virtual ~PixelSource() = default;
 
-  /// Visits every pixel once. \throws Error bad_input: truncated, corrupt.
+  /// Visits every pixel once. \throws Error bad_input: truncated, corrupt; and what the visitor
+  /// throws, which ends the reading.
   virtual void visit(const ChunkVisitor& visitor) const = 0;
 };
 

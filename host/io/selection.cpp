@@ -11,6 +11,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "io/bit_rows.h"
 #include "io/io_error.h"
 #include "io/value_survey.h"
 
@@ -20,11 +21,11 @@ namespace {
 /// Marks pixels chunk by chunk and remembers what must become an error.
 class Marker {
  public:
-  Marker(const ReadOptions& options, std::uint8_t* marks) : options_(options), marks_(marks) {}
+  Marker(const ReadOptions& options, BitRows& marks) : options_(options), marks_(marks) {}
 
   void operator()(const PixelChunk& chunk) {
     visit_pixel_type(chunk.type, [&]<class T>(T) {
-      mark(static_cast<const T*>(chunk.pixels), chunk.count, marks_ + chunk.first);
+      mark(static_cast<const T*>(chunk.pixels), chunk.count, chunk.first);
     });
   }
 
@@ -32,48 +33,44 @@ class Marker {
 
  private:
   template <class T>
-  void mark(const T* pixels, std::size_t count, std::uint8_t* marks) {
+  void mark(const T* pixels, std::size_t count, std::size_t first) {
     if constexpr (std::is_floating_point_v<T>) find_invalid(pixels, count);
     if (options_.threshold) {
-      mark_from(pixels, count, marks, *options_.threshold);
+      mark_from(pixels, count, first, *options_.threshold);
     } else if (options_.label) {
-      mark_label(pixels, count, marks, *options_.label);
+      mark_label(pixels, count, first, *options_.label);
     } else {
-      keep(pixels, count, marks, [](T pixel) { return pixel != 0; });
+      keep(pixels, count, first, [](T pixel) { return pixel != 0; });
       if (!options_.any_label) find_second_value(pixels, count);
     }
   }
 
   template <class T, class Keep>
-  void keep(const T* pixels, std::size_t count, std::uint8_t* marks, const Keep& is_object) {
-    std::uint8_t any = 0;
-    for (std::size_t i = 0; i < count; ++i) {
-      marks[i] = is_object(pixels[i]);
-      any |= marks[i];
-    }
-    if (any) selected_ = true;
+  void keep(const T* pixels, std::size_t count, std::size_t first, const Keep& is_object) {
+    if (marks_.set(first, count, [=](std::size_t i) { return is_object(pixels[i]); }))
+      selected_ = true;
   }
 
   template <class T>
-  void mark_from(const T* pixels, std::size_t count, std::uint8_t* marks, double threshold) {
+  void mark_from(const T* pixels, std::size_t count, std::size_t first, double threshold) {
     if constexpr (std::is_floating_point_v<T>) {
-      keep(pixels, count, marks, [=](T pixel) { return static_cast<double>(pixel) >= threshold; });
+      keep(pixels, count, first, [=](T pixel) { return static_cast<double>(pixel) >= threshold; });
     } else if (threshold >= std::ldexp(1.0, std::numeric_limits<T>::digits)) {
-      keep(pixels, count, marks, [](T) { return false; });
+      keep(pixels, count, first, [](T) { return false; });
     } else if (threshold <= static_cast<double>(std::numeric_limits<T>::min())) {
-      keep(pixels, count, marks, [](T) { return true; });
+      keep(pixels, count, first, [](T) { return true; });
     } else {
       const T least = static_cast<T>(std::ceil(threshold));
-      keep(pixels, count, marks, [=](T pixel) { return pixel >= least; });
+      keep(pixels, count, first, [=](T pixel) { return pixel >= least; });
     }
   }
 
   template <class T>
-  void mark_label(const T* pixels, std::size_t count, std::uint8_t* marks, std::int64_t label) {
+  void mark_label(const T* pixels, std::size_t count, std::size_t first, std::int64_t label) {
     bool representable = true;
     if constexpr (std::is_integral_v<T>) representable = std::in_range<T>(label);
     const T wanted = representable ? static_cast<T>(label) : T{0};
-    keep(pixels, count, marks, [=](T pixel) { return representable && pixel == wanted; });
+    keep(pixels, count, first, [=](T pixel) { return representable && pixel == wanted; });
   }
 
   // The first chunk with a nonzero pixel says what the object's value is.
@@ -83,8 +80,9 @@ class Marker {
     const T* first = std::find_if(pixels, end, [](T pixel) { return pixel != 0; });
     if (first == end) return;
     const T sole = agree_on(*first);
-    bool other = false;
-    for (const T* pixel = first; pixel != end; ++pixel) other |= *pixel != 0 && *pixel != sole;
+    std::uint8_t other = 0;
+    for (const T* pixel = first; pixel != end; ++pixel)
+      other |= (*pixel != 0) & (*pixel != sole) ? 1 : 0;
     if (other) several_ = true;
   }
 
@@ -106,7 +104,7 @@ class Marker {
   }
 
   const ReadOptions& options_;
-  std::uint8_t* marks_;
+  BitRows& marks_;
   std::atomic<bool> selected_{false}, several_{false}, invalid_{false};
   std::atomic<std::uint64_t> sole_bits_{0};  // bits of the object's value; 0 while unknown
 };
@@ -163,13 +161,14 @@ void check_options(const ReadOptions& options) {
 }  // namespace
 
 std::vector<std::uint8_t> select_object(const std::string& path, const PixelSource& pixels,
-                                        std::size_t count, const ReadOptions& options) {
+                                        const std::array<std::int64_t, 3>& size,
+                                        const ReadOptions& options) {
   check_options(options);
-  std::vector<std::uint8_t> marks(count);
-  Marker marker(options, marks.data());
+  BitRows marks(static_cast<std::size_t>(size[0]), static_cast<std::size_t>(size[1] * size[2]));
+  Marker marker(options, marks);
   pixels.visit([&](const PixelChunk& chunk) { marker(chunk); });
   if (!marker.clean()) throw_unusable(path, pixels, options);
-  return marks;
+  return marks.take();
 }
 
 }  // namespace vasamesh

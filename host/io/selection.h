@@ -1,8 +1,10 @@
 #pragma once
 
 /// \file
-/// Which voxels are object: one byte a voxel out of pixels of any type.
+/// Which voxels are object: one bit a voxel out of pixels of any type.
 
+#include <array>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -11,9 +13,10 @@
 
 namespace vasamesh {
 
-/// One byte a pixel, 1 is object, for `count` pixels. \throws Error usage, bad_input: see
-/// read_segmentation.
+/// One bit a pixel, 1 is object (VoxelFormat::bits), for a volume of `size`. \throws Error usage,
+/// bad_input: see read_segmentation.
 std::vector<std::uint8_t> select_object(const std::string& path, const PixelSource& pixels,
-                                        std::size_t count, const ReadOptions& options);
+                                        const std::array<std::int64_t, 3>& size,
+                                        const ReadOptions& options);
 
 }  // namespace vasamesh

@@ -3,12 +3,14 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <bit>
 #include <filesystem>
 #include <memory>
 #include <new>
 #include <system_error>
 #include <utility>
 
+#include "io/bit_rows.h"
 #include "io/file_ending.h"
 #include "io/io_error.h"
 #include "io/itk_header.h"
@@ -61,28 +63,58 @@ class CancellablePixels final : public PixelSource {
   const std::atomic<bool>& cancel_;
 };
 
-Segmentation read(const std::string& path, const ReadOptions& options) {
-  Volume volume = open_volume(path);
-  const std::int64_t count = voxel_count(path, volume.geometry);
-  check_geometry(path, volume.geometry);
-  check_memory(path, count, options);
-  if (options.cancel)
-    volume.pixels = std::make_unique<CancellablePixels>(std::move(volume.pixels), *options.cancel);
-  return {volume.geometry,
-          select_object(path, *volume.pixels, static_cast<std::size_t>(count), options)};
+/// What the voxels take; their count is possible.
+std::int64_t bytes_of(const std::array<std::int64_t, 3>& size, VoxelFormat format) {
+  const auto row = static_cast<std::size_t>(size[0]);
+  return static_cast<std::int64_t>(format == VoxelFormat::bits ? bit_row_bytes(row) : row) *
+         size[1] * size[2];
 }
 
-}  // namespace
+/// \param format  what the caller will hold, for the limit of memory.
+PackedSegmentation read(const std::string& path, const ReadOptions& options, VoxelFormat format) {
+  Volume volume = open_volume(path);
+  voxel_count(path, volume.geometry);
+  check_geometry(path, volume.geometry);
+  const auto& size = volume.geometry.size;
+  check_memory(path, bytes_of(size, format), options);
+  if (options.cancel)
+    volume.pixels = std::make_unique<CancellablePixels>(std::move(volume.pixels), *options.cancel);
+  return {volume.geometry, select_object(path, *volume.pixels, size, options)};
+}
 
-Segmentation read_segmentation(const std::string& path, const ReadOptions& options) {
+Segmentation unpacked(const PackedSegmentation& packed) {
+  const auto length = static_cast<std::size_t>(packed.geometry.size[0]);
+  const std::size_t row_bytes = bit_row_bytes(length), rows = packed.bits.size() / row_bytes;
+  Segmentation segmentation{packed.geometry, std::vector<std::uint8_t>(length * rows)};
+  for (std::size_t byte = 0; byte < packed.bits.size(); ++byte) {
+    std::uint8_t* voxels = &segmentation.voxels[byte / row_bytes * length + byte % row_bytes * 8];
+    for (unsigned bits = packed.bits[byte]; bits != 0; bits &= bits - 1)
+      voxels[std::countr_zero(bits)] = 1;
+  }
+  return segmentation;
+}
+
+/// Runs `work`, and turns what is not ours into our errors.
+template <class Work>
+auto guarded(const std::string& path, const Work& work) {
   const Quiet quiet;
   try {
-    return read(path, options);
+    return work();
   } catch (const std::bad_alloc&) {
     throw_refused(path, "not enough memory to read it", "crop the volume");
   } catch (const itk::ExceptionObject&) {
     throw_bad_input(path, "it cannot be read", "write the volume again");
   }
+}
+
+}  // namespace
+
+PackedSegmentation read_packed(const std::string& path, const ReadOptions& options) {
+  return guarded(path, [&] { return read(path, options, VoxelFormat::bits); });
+}
+
+Segmentation read_segmentation(const std::string& path, const ReadOptions& options) {
+  return guarded(path, [&] { return unpacked(read(path, options, VoxelFormat::bytes)); });
 }
 
 }  // namespace vasamesh

@@ -35,6 +35,15 @@ struct Segmentation {
   VolumeView view() const { return {voxels.data(), VoxelFormat::bytes, geometry}; }
 };
 
+/// The same, one bit a voxel, least significant first, each row of i padded to a whole byte.
+struct PackedSegmentation {
+  Geometry geometry;
+  std::vector<std::uint8_t> bits;
+
+  /// A view of `bits`; valid as long as this object lives unchanged.
+  VolumeView view() const { return {bits.data(), VoxelFormat::bits, geometry}; }
+};
+
 /// Reads a segmentation of any scalar pixel type. Coordinates are LPS, in mm. A 2D image is one
 /// slice, as thick as the geometric mean of its spacings; trailing axes of one entry are dropped.
 ///
@@ -48,6 +57,9 @@ struct Segmentation {
 /// \throws Error cancelled, at most some milliseconds after `cancel` was set, but for the time that
 ///         ITK takes to read a DICOM series.
 Segmentation read_segmentation(const std::string& path, const ReadOptions& options = {});
+
+/// The same, in an eighth of the memory: no more than the bits and some chunks of the file is held.
+PackedSegmentation read_packed(const std::string& path, const ReadOptions& options = {});
 
 /// Writes a segmentation as uint8, compressed where the format can: .nii, .nii.gz, .mha, .nrrd.
 /// The file appears under its name only when it is complete.
