@@ -10,6 +10,7 @@
 
 #include "io/io_error.h"
 #include "io/pixel_source.h"
+#include "tbb/task_order.h"
 
 namespace vasamesh {
 namespace {
@@ -56,17 +57,18 @@ class FilePixels final : public PixelSource {
     ByteStream stream(layout_.file, layout_.file_offset, layout_.encoding);
     stream.skip(layout_.skip);
     std::size_t next = 0;
-    tbb::parallel_pipeline(
-        kChunksInFlight,
-        tbb::make_filter<void, std::shared_ptr<Chunk>>(tbb::filter_mode::serial_in_order,
-                                                       [&](tbb::flow_control& flow) {
-                                                         auto chunk = read_chunk(stream, next);
-                                                         if (!chunk) flow.stop();
-                                                         return chunk;
-                                                       }) &
-            tbb::make_filter<std::shared_ptr<Chunk>, void>(
-                tbb::filter_mode::parallel,
-                [&](const std::shared_ptr<Chunk>& chunk) { visit_chunk(*chunk, visitor); }));
+    const auto read = [&](tbb::flow_control& flow) {
+      auto chunk = read_chunk(stream, next);
+      if (!chunk) flow.stop();
+      return chunk;
+    };
+    const auto use = [&](const std::shared_ptr<Chunk>& chunk) { visit_chunk(*chunk, visitor); };
+    TaskOrder order;
+    tbb::parallel_pipeline(kChunksInFlight,
+                           tbb::make_filter<void, std::shared_ptr<Chunk>>(
+                               tbb::filter_mode::serial_in_order, order.in_turn(read)) &
+                               tbb::make_filter<std::shared_ptr<Chunk>, void>(
+                                   tbb::filter_mode::parallel, order.around(use)));
     check_end(stream);
   }
 

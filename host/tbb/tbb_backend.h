@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "backend/backend.h"
+#include "tbb/task_order.h"
 
 namespace vasamesh {
 
@@ -158,8 +159,10 @@ class TbbBackend final : public Backend {
         body(i);
       }
     };
-    arena_->execute(
-        [&] { tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, grain), run_range); });
+    TaskOrder order;
+    arena_->execute([&] {
+      tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, grain), order.around(run_range));
+    });
   }
 
   void copy(void* to, const void* from, std::size_t bytes);
