@@ -56,6 +56,12 @@ class FilePixels final : public PixelSource {
   void visit(const ChunkVisitor& visitor) const override {
     ByteStream stream(layout_.file, layout_.file_offset, layout_.encoding);
     stream.skip(layout_.skip);
+    visit_chunks(stream, visitor);
+    check_end(stream);
+  }
+
+ private:
+  void visit_chunks(ByteStream& stream, const ChunkVisitor& visitor) const {
     std::size_t next = 0;
     const auto read = [&](tbb::flow_control& flow) {
       auto chunk = read_chunk(stream, next);
@@ -69,10 +75,8 @@ class FilePixels final : public PixelSource {
                                tbb::filter_mode::serial_in_order, order.in_turn(read)) &
                                tbb::make_filter<std::shared_ptr<Chunk>, void>(
                                    tbb::filter_mode::parallel, order.around(use)));
-    check_end(stream);
   }
 
- private:
   std::shared_ptr<Chunk> read_chunk(ByteStream& stream, std::size_t& next) const {
     const std::size_t left = static_cast<std::size_t>(layout_.count) - next;
     if (left == 0) return nullptr;

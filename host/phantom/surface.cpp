@@ -140,8 +140,7 @@ std::vector<Vec3> projected_points(const Joined& joined, const std::vector<Block
     const Vec3 place = lattice.start + Vec3(p[0], p[1], p[2]).cwiseProduct(lattice.step);
     points[i] = project(blocks[joined.block[i]].solid, place, lattice.step[0]);
   };
-  TaskOrder order;
-  tbb::parallel_for(std::size_t{0}, points.size(), order.around(project_point));
+  tbb::parallel_for(std::size_t{0}, points.size(), TaskOrder().around(project_point));
   return points;
 }
 
@@ -221,8 +220,7 @@ TriangleMesh exact_surface(const Shape& solid, const Eigen::AlignedBox3d& border
   std::erase_if(blocks, [&](const Block& block) { return block.inside || is_rim(block, lattice); });
   std::vector<Patch> patches(blocks.size());
   const auto contour = [&](std::size_t b) { patches[b] = contour_block(blocks[b], lattice); };
-  TaskOrder order;
-  tbb::parallel_for(std::size_t{0}, blocks.size(), order.around(contour));
+  tbb::parallel_for(std::size_t{0}, blocks.size(), TaskOrder().around(contour));
   const Joined joined = join(patches);
   const std::vector<Vec3> points = projected_points(joined, blocks, lattice);
   const vtkSmartPointer<vtkPolyData> surface = to_vtk(points, joined.triangles);

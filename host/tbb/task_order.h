@@ -24,7 +24,7 @@
 namespace vasamesh {
 
 /// The order of one loop or pipeline: made before its tasks begin, on the thread that waits for
-/// them, and gone after they have ended.
+/// them, and gone when they have ended, before anything looks at what they have left.
 class TaskOrder {
  public:
 #ifdef VASAMESH_THREAD_SANITIZER
