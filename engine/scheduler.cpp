@@ -54,6 +54,7 @@ void Scheduler::fall_back(const DeviceFailure& failure) {
 }
 
 void Scheduler::checkpoint() {
+  if (std::this_thread::get_id() != thread_) return;
   if (Clock::now() - told_ >= kRest) progress(std::string(phase_), fraction_);
 }
 

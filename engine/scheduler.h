@@ -8,6 +8,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <thread>
 #include <vector>
 
 #include "backend/backend.h"
@@ -43,7 +44,8 @@ class Scheduler {
   void fall_back(const DeviceFailure& failure);
 
   /// Tells the caller how far a phase is; between two calls the backends' checkpoints tell it
-  /// again. \throws Error cancelled, when the caller wants to stop.
+  /// again, on the thread that made the scheduler. \throws Error cancelled, when the caller wants
+  /// to stop.
   void progress(std::string_view phase, double fraction);
 
   /// Begins a stage (ending the one before): its name for the report and for progress.
@@ -61,6 +63,7 @@ class Scheduler {
   std::size_t max_memory_;
   Backend* running_ = nullptr;  ///< the backend of the last stage begun
   std::vector<StageReport> reports_;
+  const std::thread::id thread_ = std::this_thread::get_id();  ///< the one that is told
   Clock::time_point started_, told_;
   std::string phase_;  ///< as told last, with its fraction
   double fraction_ = 0;

@@ -75,9 +75,9 @@ class Backend : public Memory {
 
   // --- Stopping. ------------------------------------------------------------------------------
 
-  /// What passes and run() call now and then, on the thread that called them, with at most some
-  /// milliseconds of work between two calls; so do stages in loops of their own. What it throws
-  /// ends the pass and leaves undefined the views that it writes. Empty: nothing.
+  /// What passes and run() call now and then, on each thread that works for them, on the caller's
+  /// with at most some milliseconds of work between two calls; so do stages in loops of their own.
+  /// What it throws ends the pass and leaves undefined the views that it writes. Empty: nothing.
   virtual void set_checkpoint(std::function<void()> checkpoint) {
     checkpoint_ = std::move(checkpoint);
   }

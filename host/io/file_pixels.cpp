@@ -11,6 +11,7 @@
 
 #include "io/io_error.h"
 #include "io/pixel_source.h"
+#include "tbb/task_order.h"
 
 namespace vasamesh {
 namespace {
@@ -56,22 +57,27 @@ class FilePixels final : public PixelSource {
   void visit(const ChunkVisitor& visitor) const override {
     ByteStream stream(layout_.file, layout_.file_offset, layout_.encoding);
     stream.skip(layout_.skip);
-    std::size_t next = 0;
-    tbb::parallel_pipeline(
-        kChunksInFlight,
-        tbb::make_filter<void, std::shared_ptr<Chunk>>(tbb::filter_mode::serial_in_order,
-                                                       [&](tbb::flow_control& flow) {
-                                                         auto chunk = read_chunk(stream, next);
-                                                         if (!chunk) flow.stop();
-                                                         return chunk;
-                                                       }) &
-            tbb::make_filter<std::shared_ptr<Chunk>, void>(
-                tbb::filter_mode::parallel,
-                [&](const std::shared_ptr<Chunk>& chunk) { visit_chunk(*chunk, visitor); }));
+    visit_chunks(stream, visitor);
     check_end(stream);
   }
 
  private:
+  void visit_chunks(ByteStream& stream, const ChunkVisitor& visitor) const {
+    std::size_t next = 0;
+    const auto read = [&](tbb::flow_control& flow) {
+      auto chunk = read_chunk(stream, next);
+      if (!chunk) flow.stop();
+      return chunk;
+    };
+    const auto use = [&](const std::shared_ptr<Chunk>& chunk) { visit_chunk(*chunk, visitor); };
+    TaskOrder order;
+    tbb::parallel_pipeline(kChunksInFlight,
+                           tbb::make_filter<void, std::shared_ptr<Chunk>>(
+                               tbb::filter_mode::serial_in_order, order.in_turn(read)) &
+                               tbb::make_filter<std::shared_ptr<Chunk>, void>(
+                                   tbb::filter_mode::parallel, order.around(use)));
+  }
+
   std::shared_ptr<Chunk> read_chunk(ByteStream& stream, std::size_t& next) const {
     const std::size_t left = static_cast<std::size_t>(layout_.count) - next;
     if (left == 0) return nullptr;

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "tbb/task_order.h"
+
 namespace vasamesh {
 namespace {
 
@@ -84,8 +86,8 @@ std::vector<Block> find_blocks(const Shape& solid, const VoxelGrid& lattice, int
 
 void voxelise(const Shape& solid, const VoxelGrid& lattice, std::vector<std::uint8_t>& voxels) {
   const std::vector<Block> blocks = find_blocks(solid, lattice, kVoxelBlock, 0);
-  tbb::parallel_for(std::size_t{0}, blocks.size(),
-                    [&](std::size_t b) { fill_block(blocks[b], lattice, voxels); });
+  const auto fill = [&](std::size_t b) { fill_block(blocks[b], lattice, voxels); };
+  tbb::parallel_for(std::size_t{0}, blocks.size(), TaskOrder().around(fill));
 }
 
 void draw_line(const std::vector<Vec3>& points, const VoxelGrid& lattice,

@@ -21,6 +21,7 @@
 #include <unordered_map>
 
 #include "phantom/lattice.h"
+#include "tbb/task_order.h"
 
 namespace vasamesh {
 namespace {
@@ -134,11 +135,12 @@ Joined join(const std::vector<Patch>& patches) {
 std::vector<Vec3> projected_points(const Joined& joined, const std::vector<Block>& blocks,
                                    const VoxelGrid& lattice) {
   std::vector<Vec3> points(joined.points.size());
-  tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
+  const auto project_point = [&](std::size_t i) {
     const auto& p = joined.points[i];
     const Vec3 place = lattice.start + Vec3(p[0], p[1], p[2]).cwiseProduct(lattice.step);
     points[i] = project(blocks[joined.block[i]].solid, place, lattice.step[0]);
-  });
+  };
+  tbb::parallel_for(std::size_t{0}, points.size(), TaskOrder().around(project_point));
   return points;
 }
 
@@ -217,8 +219,8 @@ TriangleMesh exact_surface(const Shape& solid, const Eigen::AlignedBox3d& border
   std::vector<Block> blocks = find_blocks(solid, lattice, kBlockCells, 4 * step);
   std::erase_if(blocks, [&](const Block& block) { return block.inside || is_rim(block, lattice); });
   std::vector<Patch> patches(blocks.size());
-  tbb::parallel_for(std::size_t{0}, blocks.size(),
-                    [&](std::size_t b) { patches[b] = contour_block(blocks[b], lattice); });
+  const auto contour = [&](std::size_t b) { patches[b] = contour_block(blocks[b], lattice); };
+  tbb::parallel_for(std::size_t{0}, blocks.size(), TaskOrder().around(contour));
   const Joined joined = join(patches);
   const std::vector<Vec3> points = projected_points(joined, blocks, lattice);
   const vtkSmartPointer<vtkPolyData> surface = to_vtk(points, joined.triangles);

@@ -10,11 +10,11 @@
 #include <atomic>
 #include <memory>
 #include <mutex>
-#include <thread>
 #include <unordered_map>
 #include <vector>
 
 #include "backend/backend.h"
+#include "tbb/task_order.h"
 
 namespace vasamesh {
 
@@ -146,20 +146,20 @@ class TbbBackend final : public Backend {
 
  private:
   /// body(i) for i in 0 .. count - 1, in pieces of `grain`, on the arena's workers; a checkpoint
-  /// before each piece that the calling thread takes.
+  /// before each piece.
   template <class Body>
   void for_each(std::size_t count, std::size_t grain, const Body& body) {
     if (count == 0) return;
-    const std::thread::id caller = std::this_thread::get_id();
     const auto run_range = [&](const tbb::blocked_range<std::size_t>& range) {
-      const bool own = std::this_thread::get_id() == caller;
       for (std::size_t i = range.begin(); i != range.end(); ++i) {
-        if (own && i % grain == 0) checkpoint();
+        if (i % grain == 0) checkpoint();
         body(i);
       }
     };
-    arena_->execute(
-        [&] { tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, grain), run_range); });
+    TaskOrder order;
+    arena_->execute([&] {
+      tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, grain), order.around(run_range));
+    });
   }
 
   void copy(void* to, const void* from, std::size_t bytes);
