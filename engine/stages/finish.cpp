@@ -45,7 +45,6 @@ void finish(Backend& backend, const RemeshGoal& goal, WorkingSurface& surface) {
       repair_parts(kSine20, 2);
     } else {
       relaxer.smooth(parts, 1);
-      relaxer.equalise(parts, 4);
       repair_parts(kSine40, 3);
       relaxer.equalise(parts, 4);
       if (round == kRounds - 1) repair_parts(kSine25, 24);
@@ -65,7 +64,7 @@ void finish(Backend& backend, const RemeshGoal& goal, WorkingSurface& surface) {
   for (int round = 0; round < kFitRounds; ++round) {
     SurfaceBlocks blocks(backend, {kBlock, 0.1f + 0.4f * static_cast<float>(round)}, surface);
     const std::vector<PatchMesh*> parts = blocks.parts();
-    relaxer.fit(parts, 2);
+    relaxer.fit(parts, 1);
     relaxer.equalise(parts, 4);
     blocks.join();
   }
