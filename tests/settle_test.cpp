@@ -68,11 +68,11 @@ TEST_F(SettleTest, ADamagedPlaceIsMadeGood) {
 }
 
 TEST_F(SettleTest, APointThatCannotBeReachedIsReported) {
-  SolidSurface spiked = solid_;
-  const auto tip = static_cast<std::uint32_t>(spiked.all.vertex_count());
-  spiked.all.vertices.insert(spiked.all.vertices.end(), {18, 18, 8});  // the middle of the hole
-  spiked.all.triangles.insert(spiked.all.triangles.end(), {0, 1, tip});
-  const Bounds bounds = {scene_.surface, tree_, spiked, tree_, kLimit};
+  SolidSurface crumbed = solid_;  // a small triangle in the middle of the hole
+  const auto first = static_cast<std::uint32_t>(crumbed.all.vertex_count());
+  crumbed.all.vertices.insert(crumbed.all.vertices.end(), {18, 18, 8, 18.2f, 18, 8, 18, 18.2f, 8});
+  crumbed.all.triangles.insert(crumbed.all.triangles.end(), {first, first + 1, first + 2});
+  const Bounds bounds = {scene_.surface, tree_, crumbed, tree_, kLimit};
   const Settled result = settle(*backend_, scene_.field.view(), sizes_.view(scene_.field), bounds,
                                 kRadius, mesh_, {}, {});
   EXPECT_FALSE(result.far.empty());
