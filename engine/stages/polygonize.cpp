@@ -91,9 +91,14 @@ Polygonizer::Polygonizer(Scheduler& scheduler, const Lattice& lattice,
   scheduler_.begin("sizes", Stage::sizing);
   Backend& sizing = scheduler_.backend_for(Stage::sizing);
   sizing.on_host(View<const std::uint8_t>(lattice.state.view()));
-  base_tree_ = build_triangle_tree(backend_, base_);
-  solid_ = marching_cubes_of(backend_, lattice, scale);
-  solid_tree_ = build_triangle_tree(backend_, solid_.common);
+  backend_.run(2, [&](std::size_t half) {  // each half has work of one thread alone
+    if (half == 0) {
+      base_tree_ = build_triangle_tree(backend_, base_);
+    } else {
+      solid_ = marching_cubes_of(backend_, lattice, scale);
+      solid_tree_ = build_triangle_tree(backend_, solid_.common);
+    }
+  });
   field_ = make_field(sizing, lattice, size, scale);
   sizes_ = make_sizes(sizing, field_, base_, rule_);
   if (wanted_triangles_ > 0) aim(wanted_triangles_);
