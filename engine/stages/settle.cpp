@@ -171,6 +171,18 @@ class Settling {
     return faults;
   }
 
+  /// Once more near the points that are too far: what has been mended may have left them. Kept if
+  /// it is better. \return the faults then.
+  Faults bring_nearer(Faults faults, TriangleMesh& mesh) const {
+    if (faults.far.empty()) return faults;
+    const std::vector<CarefulPlace> places = places_at(faults.far, kMending, 1);
+    TriangleMesh nearer = approached(bounds_.solid.all, Places(places), mesh);
+    Faults left = faults_of(nearer, bounds_.solid.all, wider(places, kReach), faults.far);
+    if (left.counts() >= faults.counts()) return faults;
+    mesh = std::move(nearer);
+    return left;
+  }
+
   /// One try: the mesh remeshed in the places and brought near again. \return its faults.
   Faults remake(std::span<const CarefulPlace> places, const TriangleMesh& solid,
                 const Places& reached, TriangleMesh& mesh) const {
@@ -240,8 +252,8 @@ Settled settle(Backend& backend, const FieldView& field, const SizeView& sizes,
   const Settling settling(backend, field, sizes, bounds);
   Settled settled;
   settled.mesh = settling.approached(bounds.solid.all, Places(within), std::move(mesh));
-  const Faults faults =
-      settling.faults_of(settled.mesh, bounds.solid.all, wider(within, kReach), far);
+  const Faults faults = settling.bring_nearer(
+      settling.faults_of(settled.mesh, bounds.solid.all, wider(within, kReach), far), settled.mesh);
   settled.far = faults.far;
   std::size_t work = kWork * settled.mesh.triangle_count() + kLeastWork;
   std::vector<CarefulPlace> places = places_at(faults.within({}), radius, 1);
