@@ -54,6 +54,27 @@ std::vector<float> corners_of(const TriangleMesh& mesh) {
   return places;
 }
 
+TEST(Pinches, TrianglesThatShareADirectedEdgeGo) {
+  TriangleMesh mesh = fans_at_a_vertex(1, 4);
+  const TriangleMesh before = mesh;
+  const std::uint32_t apart = add_vertex(mesh, {5, 5, 5});
+  add_triangle(mesh, 0, 2, apart);  // the second blade has 0 -> 2 as well
+  drop_repeated_edges(mesh);
+  std::vector<std::uint32_t> left = before.triangles;
+  left.erase(left.begin() + 3, left.begin() + 6);
+  EXPECT_EQ(mesh.triangles, left);
+  EXPECT_EQ(mesh.vertex_count(), before.vertex_count() + 1);
+}
+
+TEST(Pinches, EdgesOfOneTriangleADirectionStay) {
+  TriangleMesh mesh = fans_at_a_vertex(3, 4);
+  const std::uint32_t apart = add_vertex(mesh, {5, 5, 5});
+  add_triangle(mesh, 1, 0, apart);  // the other side of the first blade's edge
+  const TriangleMesh before = mesh;
+  drop_repeated_edges(mesh);
+  EXPECT_EQ(mesh.triangles, before.triangles);
+}
+
 TEST(Pinches, ManifoldsStayAsTheyAre) {
   for (const TriangleMesh& mesh :
        {TriangleMesh{}, tetrahedron(), torus(5, 2, 13, 7), fans_at_a_vertex(1, 4)}) {

@@ -41,7 +41,42 @@ DisjointSets find_fans(const TriangleMesh& mesh) {
   return fans;
 }
 
+/// The corners at each vertex: those of vertex v from first[v] to first[v + 1].
+struct CornersOfVertices {
+  std::vector<std::uint32_t> first, corners;
+
+  explicit CornersOfVertices(const TriangleMesh& mesh)
+      : first(mesh.vertex_count() + 1, 0), corners(mesh.triangles.size()) {
+    for (const std::uint32_t v : mesh.triangles) ++first[v + 1];
+    for (std::size_t v = 0; v < mesh.vertex_count(); ++v) first[v + 1] += first[v];
+    std::vector<std::uint32_t> next(first.begin(), first.end() - 1);
+    for (std::uint32_t c = 0; c < corners.size(); ++c) corners[next[mesh.triangles[c]]++] = c;
+  }
+};
+
 }  // namespace
+
+void drop_repeated_edges(TriangleMesh& mesh) {
+  const CornersOfVertices at(mesh);
+  std::vector<std::uint8_t> dropped(mesh.triangle_count(), 0);
+  bool any = false;
+  for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
+    for (std::uint32_t i = at.first[v]; i < at.first[v + 1]; ++i)
+      for (std::uint32_t j = at.first[v]; j < i; ++j) {
+        const std::uint32_t a = at.corners[i], b = at.corners[j];
+        if (mesh.triangles[next_corner(a)] != mesh.triangles[next_corner(b)]) continue;
+        dropped[a / 3] = dropped[b / 3] = 1;
+        any = true;
+      }
+  if (!any) return;
+  std::size_t kept = 0;
+  for (std::size_t t = 0; t < dropped.size(); ++t) {
+    if (dropped[t]) continue;
+    std::copy_n(&mesh.triangles[3 * t], 3, &mesh.triangles[3 * kept]);
+    ++kept;
+  }
+  mesh.triangles.resize(3 * kept);
+}
 
 void split_pinches(TriangleMesh& mesh) {
   constexpr std::uint32_t kNone = 0xffffffffu;

@@ -25,7 +25,7 @@ namespace vasamesh {
 
 namespace {
 
-constexpr double kLeastTriangles = 120;  // for each handle and cavity but one
+constexpr double kLeastTriangles = 120;  // for each piece, handle and cavity but one
 constexpr int kFrontAttempts = 6;        // surfaces of mesh expanding
 constexpr int kRemeshAttempts = 3;       // then, of the base surface remeshed whole
 constexpr int kAims = 3;                 // attempts at a number of triangles
@@ -127,7 +127,7 @@ void Polygonizer::aim(double triangles) {
 }
 
 bool Polygonizer::is_worthwhile(const Topology& topology) const {
-  const auto features = static_cast<double>(topology.handles + topology.cavities);
+  const auto features = static_cast<double>(topology.pieces + topology.handles + topology.cavities);
   return sizes_.predicted_triangles >= kLeastTriangles * (features - 1);
 }
 
@@ -285,6 +285,7 @@ TriangleMesh Polygonizer::front_over(const TriangleMesh& patches) {
   report_.gaps += stitched.loops;
   report_.gap_triangles +=
       static_cast<std::int64_t>(front.mesh.triangle_count() - stitched.first_triangle);
+  drop_repeated_edges(front.mesh);
   split_pinches(front.mesh);
   return std::move(front.mesh);
 }

@@ -42,8 +42,8 @@ class Polygonizer {
   Polygonizer(Scheduler& scheduler, const Lattice& lattice, const std::array<int, 3>& size,
               const Scale& scale, TriangleMesh base, const Parameters& parameters);
 
-  /// Whether the surface is smooth enough for edges of the lengths that are asked for: not noise,
-  /// where handles and cavities are hardly larger than a triangle.
+  /// Whether the surface is smooth enough for edges of the lengths that are asked for: not noise or
+  /// dust, where pieces, handles and cavities are hardly larger than a triangle.
   bool is_worthwhile(const Topology& topology) const;
 
   /// The next surface to prove, in padded voxel units; none when there is no other.
