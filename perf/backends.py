@@ -33,7 +33,8 @@ residuals, and the surface byte by byte.
 {stages}
 ## Growing inputs
 
-Random trees in volumes of growing size, in seconds. The plot is [backends.png](backends.png).
+Random trees in volumes of growing size, in seconds. The plot is [backends.png](backends.png); its
+crosses are the phantoms above.
 
 {growth}"""
 
@@ -106,8 +107,12 @@ def speed_table(content):
     return text
 
 
+def is_tree(content):
+    return content["input"].startswith("tree")
+
+
 def growth_table(found):
-    trees = [content for content in found if content["input"].startswith("tree")]
+    trees = [content for content in found if is_tree(content)]
     names = [run_["name"] for run_ in trees[0]["runs"]]
     text = "| voxels | in the object | triangles | " + " | ".join(names) + " |\n"
     text += "|---" * (3 + len(names)) + "|\n"
@@ -131,8 +136,12 @@ def plot(found, path):
     for axis, key, title in zip(axes, ("object_voxels", "voxels"),
                                 ("foreground voxels", "voxels of the volume")):
         for i, run_ in enumerate(found[0]["runs"]):
-            line = sorted((content[key], content["runs"][i]["seconds"]) for content in found)
-            axis.loglog(*zip(*line), marker="o", label=run_["name"])
+            points = sorted((content[key], content["runs"][i]["seconds"], is_tree(content))
+                            for content in found)
+            line = axis.loglog(*zip(*((x, y) for x, y, tree in points if tree)), marker="o",
+                               label=f"{run_['name']}, trees")[0]
+            axis.loglog(*zip(*((x, y) for x, y, tree in points if not tree)), marker="x",
+                        linestyle="none", color=line.get_color())
         axis.set_xlabel(title)
         axis.grid(True, which="both", alpha=0.3)
     axes[0].set_ylabel("seconds, without reading and writing")
