@@ -59,13 +59,14 @@ inline constexpr int kGapSteps = 3;
 /// near do not count; 0 where none has it.
 float mean_gap(const FieldView& field, const Ring& ring, const SurfacePoint& p);
 
+/// The ring of a fan, whose points are in the host's memory.
 inline Ring ring_of(const FanView& fans, const SurfacePoint* points, std::size_t fan) {
   const std::uint32_t at = fans.ring_first[fan];
   return {points, {fans.ring.data() + at, fans.ring_first[fan + 1] - at}};
 }
 
 /// move(fan) for the fans of a part, in their order, `passes` times. The view is in the host's
-/// memory.
+/// memory too.
 template <class Move>
 void for_each_fan(const FanView& fans, std::size_t part, int passes, const Move& move) {
   const std::uint32_t first = fans.level_first[fans.part_level[part]],

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "stages/adjacency.h"
 #include "stages/disjoint_sets.h"
 
 namespace vasamesh {
@@ -41,29 +42,16 @@ DisjointSets find_fans(const TriangleMesh& mesh) {
   return fans;
 }
 
-/// The corners at each vertex: those of vertex v from first[v] to first[v + 1].
-struct CornersOfVertices {
-  std::vector<std::uint32_t> first, corners;
-
-  explicit CornersOfVertices(const TriangleMesh& mesh)
-      : first(mesh.vertex_count() + 1, 0), corners(mesh.triangles.size()) {
-    for (const std::uint32_t v : mesh.triangles) ++first[v + 1];
-    for (std::size_t v = 0; v < mesh.vertex_count(); ++v) first[v + 1] += first[v];
-    std::vector<std::uint32_t> next(first.begin(), first.end() - 1);
-    for (std::uint32_t c = 0; c < corners.size(); ++c) corners[next[mesh.triangles[c]]++] = c;
-  }
-};
-
 }  // namespace
 
 void drop_repeated_edges(TriangleMesh& mesh) {
-  const CornersOfVertices at(mesh);
+  const VertexCorners at = vertex_corners(mesh);
   std::vector<std::uint8_t> dropped(mesh.triangle_count(), 0);
   bool any = false;
   for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
     for (std::uint32_t i = at.first[v]; i < at.first[v + 1]; ++i)
       for (std::uint32_t j = at.first[v]; j < i; ++j) {
-        const std::uint32_t a = at.corners[i], b = at.corners[j];
+        const std::uint32_t a = at.corner[i], b = at.corner[j];
         if (mesh.triangles[next_corner(a)] != mesh.triangles[next_corner(b)]) continue;
         dropped[a / 3] = dropped[b / 3] = 1;
         any = true;

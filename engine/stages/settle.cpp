@@ -64,29 +64,35 @@ struct Faults {
   }
 };
 
-/// Finds the triangles with angles below 20 degrees.
-void find_poor_triangles(const TriangleMesh& mesh, Faults& faults) {
+/// visit(a, b, c) for the corners of all triangles.
+template <class Visit>
+void for_each_triangle(const TriangleMesh& mesh, const Visit& visit) {
   for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
     const std::uint32_t* v = &mesh.triangles[3 * t];
-    const Vec3 a = vertex_at(mesh, v[0]), b = vertex_at(mesh, v[1]), c = vertex_at(mesh, v[2]);
+    visit(vertex_at(mesh, v[0]), vertex_at(mesh, v[1]), vertex_at(mesh, v[2]));
+  }
+}
+
+Vec3 middle_of(const Vec3& a, const Vec3& b, const Vec3& c) { return (1.0f / 3) * ((a + b) + c); }
+
+/// Finds the triangles with angles below 20 degrees.
+void find_poor_triangles(const TriangleMesh& mesh, Faults& faults) {
+  for_each_triangle(mesh, [&](const Vec3& a, const Vec3& b, const Vec3& c) {
     const float sine = least_sine(squared_norm(b - a), squared_norm(c - b), squared_norm(a - c),
                                   squared_norm(cross(b - a, c - a)));
-    if (sine < kSine20)
-      (sine < kSine10 ? faults.sharp : faults.poor).push_back((1.0f / 3) * ((a + b) + c));
-  }
+    if (sine < kSine20) (sine < kSine10 ? faults.sharp : faults.poor).push_back(middle_of(a, b, c));
+  });
 }
 
 /// The middles of the triangles in the places, or of all if there are none, with an edge more than
 /// 1.5 times as long as another.
 std::vector<Vec3> uneven_triangles(const TriangleMesh& mesh, const Places& within) {
   std::vector<Vec3> middles;
-  for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
-    const std::uint32_t* v = &mesh.triangles[3 * t];
-    const Vec3 a = vertex_at(mesh, v[0]), b = vertex_at(mesh, v[1]), c = vertex_at(mesh, v[2]);
-    if (edge_equality(a, b, c) >= kLeastEquality) continue;
-    const Vec3 middle = (1.0f / 3) * ((a + b) + c);
+  for_each_triangle(mesh, [&](const Vec3& a, const Vec3& b, const Vec3& c) {
+    if (edge_equality(a, b, c) >= kLeastEquality) return;
+    const Vec3 middle = middle_of(a, b, c);
     if (within.empty() || within.hold(middle)) middles.push_back(middle);
-  }
+  });
   return middles;
 }
 
@@ -117,7 +123,7 @@ class Settling {
       : backend_(backend), field_(field), sizes_(sizes), bounds_(bounds) {}
 
   /// The vertices near the places brought back to the base surface and to marching cubes, then the
-  /// surface there to all of marching cubes; then the triangles of poor shape
+  /// surface there to all of marching cubes; then the triangles of poor shape are
   /// mended.
   TriangleMesh approached(const TriangleMesh& solid, const Places& places,
                           TriangleMesh mesh) const {
@@ -137,8 +143,8 @@ class Settling {
     std::vector<Vec3> poor = uneven_triangles(mesh, within);
     Faults faults;
     find_poor_triangles(mesh, faults);
-    for (const auto* some : {&faults.sharp, &faults.poor})
-      poor.insert(poor.end(), some->begin(), some->end());
+    const std::vector<Vec3> sharp = faults.within({});
+    poor.insert(poor.end(), sharp.begin(), sharp.end());
     if (poor.empty()) return mesh;
     const Places places(places_at(poor, kMending, 1));
     const RemeshGoal goal = {field_, sizes_, &places, true};
