@@ -23,68 +23,72 @@ static float8 poisson_where_unknown(global const uchar *unknown, size_t row, flo
   return select((float8)(0.0f), value, convert_int8(vload8(row, unknown)) != 0);
 }
 
-kernel __attribute__((BRICK_GROUP)) void poisson_apply(
-    global const int *neighbours, ulong neighbours_first, float4 weights,
-    global const uchar *unknown, ulong unknown_first, global const float *p, ulong p_first,
-    global float *q, ulong q_first, global float *partial, ulong partial_first) {
-  BRICK_SUM(sum);
-  const size_t brick = get_group_id(0);
-  global const int *near = neighbours + neighbours_first + brick * NEIGHBOURS;
-  unknown += unknown_first + brick * BRICK_CELLS;
-  p += p_first;
-  q += q_first + brick * BRICK_CELLS;
-  #pragma unroll 8
-  for (int row = get_local_id(0); row < BRICK_ROWS; row += BRICK_ITEMS) {
-    const float8 value = poisson_where_unknown(unknown, row, poisson_row(p, near, weights, row));
-    vstore8(value, row, q);
-    brick_sum_add(sum, row, vload8(row, p + brick * BRICK_CELLS) * value);
-  }
-  const float total = brick_sum_finish(sum);
-  if (get_local_id(0) == 0) partial[partial_first + brick] = total;
-}
-
 kernel __attribute__((BRICK_GROUP)) void poisson_residual(
-    global const int *neighbours, ulong neighbours_first, float4 weights,
-    global const uchar *unknown, ulong unknown_first, global const float *b, ulong b_first,
-    global const float *x, ulong x_first, global float *r, ulong r_first, global float *partial,
-    ulong partial_first) {
-  BRICK_SUM(sum);
+    VIEW(const int, neighbours), float4 weights, VIEW(const uchar, unknown), VIEW(const float, b),
+    VIEW(const float, x), VIEW(float, r), VIEW(float, p), VIEW(float, b_square),
+    VIEW(float, r_square)) {
+  BRICK_SUM(b_sum);
+  BRICK_SUM(r_sum);
   const size_t brick = get_group_id(0);
   global const int *near = neighbours + neighbours_first + brick * NEIGHBOURS;
   unknown += unknown_first + brick * BRICK_CELLS;
   b += b_first + brick * BRICK_CELLS;
   x += x_first;
   r += r_first + brick * BRICK_CELLS;
+  p += p_first + brick * BRICK_CELLS;
   #pragma unroll 8
   for (int row = get_local_id(0); row < BRICK_ROWS; row += BRICK_ITEMS) {
-    const float8 difference = vload8(row, b) - poisson_row(x, near, weights, row);
-    const float8 value = poisson_where_unknown(unknown, row, difference);
-    vstore8(value, row, r);
-    brick_sum_add(sum, row, value * value);
+    const float8 wanted = poisson_where_unknown(unknown, row, vload8(row, b));
+    const float8 image = poisson_where_unknown(unknown, row, poisson_row(x, near, weights, row));
+    const float8 rest = wanted - image;
+    vstore8(rest, row, r);
+    vstore8(rest, row, p);
+    brick_sum_add(b_sum, row, wanted * wanted);
+    brick_sum_add(r_sum, row, rest * rest);
+  }
+  const float b_total = brick_sum_finish(b_sum), r_total = brick_sum_finish(r_sum);
+  if (get_local_id(0) != 0) return;
+  b_square[b_square_first + brick] = b_total;
+  r_square[r_square_first + brick] = r_total;
+}
+
+kernel __attribute__((BRICK_GROUP)) void poisson_energy(
+    VIEW(const int, neighbours), float4 weights, VIEW(const uchar, unknown), VIEW(const float, p),
+    VIEW(float, energy)) {
+  BRICK_SUM(sum);
+  const size_t brick = get_group_id(0);
+  global const int *near = neighbours + neighbours_first + brick * NEIGHBOURS;
+  unknown += unknown_first + brick * BRICK_CELLS;
+  p += p_first;
+  #pragma unroll 8
+  for (int row = get_local_id(0); row < BRICK_ROWS; row += BRICK_ITEMS) {
+    const float8 image = poisson_where_unknown(unknown, row, poisson_row(p, near, weights, row));
+    brick_sum_add(sum, row, vload8(row, p + brick * BRICK_CELLS) * image);
   }
   const float total = brick_sum_finish(sum);
-  if (get_local_id(0) == 0) partial[partial_first + brick] = total;
+  if (get_local_id(0) == 0) energy[energy_first + brick] = total;
 }
 
 kernel __attribute__((BRICK_GROUP)) void poisson_update_solution(
-    float alpha, global const float *p, ulong p_first, global const float *q, ulong q_first,
-    global float *x, ulong x_first, global float *r, ulong r_first, global float *partial,
-    ulong partial_first) {
+    VIEW(const int, neighbours), float4 weights, VIEW(const uchar, unknown), float alpha,
+    VIEW(const float, p), VIEW(float, x), VIEW(float, r), VIEW(float, r_square)) {
   BRICK_SUM(sum);
   const size_t brick = get_group_id(0);
-  p += p_first + brick * BRICK_CELLS;
-  q += q_first + brick * BRICK_CELLS;
+  global const int *near = neighbours + neighbours_first + brick * NEIGHBOURS;
+  unknown += unknown_first + brick * BRICK_CELLS;
+  p += p_first;
   x += x_first + brick * BRICK_CELLS;
   r += r_first + brick * BRICK_CELLS;
   #pragma unroll 8
   for (int row = get_local_id(0); row < BRICK_ROWS; row += BRICK_ITEMS) {
-    const float8 value = vload8(row, r) - alpha * vload8(row, q);
-    vstore8(vload8(row, x) + alpha * vload8(row, p), row, x);
-    vstore8(value, row, r);
-    brick_sum_add(sum, row, value * value);
+    const float8 image = poisson_where_unknown(unknown, row, poisson_row(p, near, weights, row));
+    const float8 rest = vload8(row, r) - alpha * image;
+    vstore8(vload8(row, x) + alpha * vload8(row, p + brick * BRICK_CELLS), row, x);
+    vstore8(rest, row, r);
+    brick_sum_add(sum, row, rest * rest);
   }
   const float total = brick_sum_finish(sum);
-  if (get_local_id(0) == 0) partial[partial_first + brick] = total;
+  if (get_local_id(0) == 0) r_square[r_square_first + brick] = total;
 }
 
 kernel __attribute__((BRICK_GROUP)) void poisson_update_direction(

@@ -185,23 +185,27 @@ class Backend : public Memory {
   // --- Indicator function (engine/stages/poisson.h). -------------------------------------------
   // Arrays of a level have 512 values a brick. A neighbour that is not there counts as zero.
 
-  /// q = A p on unknown cells and 0 elsewhere, A the 7-point operator:
-  /// (A p)(c) = sum over the axes i of weights[i] * (2 p(c) - p(c - e_i) - p(c + e_i)), summed as
-  /// (wx * tx + wy * ty) + wz * tz with t = (2 p - p(c - e)) - p(c + e).
-  /// partial[brick] = sum of p q over the brick: lane x adds its 64 cells in order of y, then z;
-  /// lanes are then added pairwise, ((0+4)+(2+6)) + ((1+5)+(3+7)).
-  virtual void poisson_apply(const LevelView& level, View<const std::uint8_t> unknown,
-                             View<const float> p, View<float> q, View<float> partial) = 0;
+  // A is the 7-point operator on unknown cells, and 0 elsewhere:
+  // (A p)(c) = sum over the axes i of weights[i] * (2 p(c) - p(c - e_i) - p(c + e_i)), summed as
+  // (wx * tx + wy * ty) + wz * tz with t = (2 p - p(c - e)) - p(c + e). A p is never stored: its
+  // arithmetic, done twice an iteration, costs less than moving it.
+  // Sums over a brick: lane x adds its 64 cells in order of y, then z; lanes are then added
+  // pairwise, ((0+4)+(2+6)) + ((1+5)+(3+7)).
 
-  /// r = b - A x on unknown cells and 0 elsewhere; partial[brick] = sum of r r, as above.
+  /// r = p = b - A x on unknown cells and 0 elsewhere; of each brick, b_square = sum of b b over
+  /// its unknown cells and r_square = sum of r r.
   virtual void poisson_residual(const LevelView& level, View<const std::uint8_t> unknown,
                                 View<const float> b, View<const float> x, View<float> r,
-                                View<float> partial) = 0;
+                                View<float> p, View<float> b_square, View<float> r_square) = 0;
 
-  /// x += alpha p, r -= alpha q; partial[brick] = sum of r r, as above.
-  virtual void poisson_update_solution(const LevelView& level, float alpha, View<const float> p,
-                                       View<const float> q, View<float> x, View<float> r,
-                                       View<float> partial) = 0;
+  /// energy[brick] = sum of p A p.
+  virtual void poisson_energy(const LevelView& level, View<const std::uint8_t> unknown,
+                              View<const float> p, View<float> energy) = 0;
+
+  /// x += alpha p, r -= alpha A p; r_square[brick] = sum of r r.
+  virtual void poisson_update_solution(const LevelView& level, View<const std::uint8_t> unknown,
+                                       float alpha, View<const float> p, View<float> x,
+                                       View<float> r, View<float> r_square) = 0;
 
   /// p = r + beta p.
   virtual void poisson_update_direction(const LevelView& level, float beta, View<const float> r,

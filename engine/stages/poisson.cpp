@@ -60,30 +60,24 @@ SolveOutcome conjugate_gradient(Backend& backend, const LevelView& level,
   const std::size_t n = level.bricks.count * kBrickCells;
   w.residual.resize(backend, n);
   w.direction.resize(backend, n);
-  w.image.resize(backend, n);
   w.partial.resize(backend, level.bricks.count);
-  const View<float> r = w.residual.view(), p = w.direction.view(), q = w.image.view(),
-                    partial = w.partial.view();
-
-  // |b|^2, as the residual of x = 0; p is zero here.
-  backend.fill(p, 0.0f);
-  backend.poisson_residual(level, unknown, b, p, r, partial);
-  const float b_square = backend.reduce_sum(partial);
+  w.partial_b.resize(backend, level.bricks.count);
+  const View<float> r = w.residual.view(), p = w.direction.view(), partial = w.partial.view();
 
   // r = b - A x, p = r
-  backend.poisson_residual(level, unknown, b, x, r, partial);
+  backend.poisson_residual(level, unknown, b, x, r, p, w.partial_b.view(), partial);
+  const float b_square = backend.reduce_sum(w.partial_b.view());
   float r_square = backend.reduce_sum(partial);
-  backend.poisson_update_direction(level, 0.0f, r, p);
 
   SolveOutcome outcome;
   outcome.initial_residual = relative_norm(r_square, b_square);
   while (outcome.iterations < iterations && r_square > 1e-12f * b_square) {
-    // q = A p, alpha = r.r / p.q
-    backend.poisson_apply(level, unknown, p, q, partial);
-    const float p_q = backend.reduce_sum(partial);
-    if (!(p_q > 0)) break;
-    // x += alpha p, r -= alpha q
-    backend.poisson_update_solution(level, r_square / p_q, p, q, x, r, partial);
+    // alpha = r.r / p.A p
+    backend.poisson_energy(level, unknown, p, partial);
+    const float energy = backend.reduce_sum(partial);
+    if (!(energy > 0)) break;
+    // x += alpha p, r -= alpha A p
+    backend.poisson_update_solution(level, unknown, r_square / energy, p, x, r, partial);
     const float next_square = backend.reduce_sum(partial);
     // p = r + beta p
     backend.poisson_update_direction(level, next_square / r_square, r, p);

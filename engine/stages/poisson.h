@@ -35,7 +35,7 @@ inline constexpr float kOutwardBias = 0.005f;
 /// Arrays of a solve, kept from level to level: a solve allocates nothing once they are large
 /// enough.
 struct SolveWorkspace {
-  Buffer<float> residual, direction, image, partial;
+  Buffer<float> residual, direction, partial, partial_b;
 };
 
 /// Iterations done and the 2-norm of the residual before and after, relative to that of b.

@@ -10,8 +10,8 @@ namespace {
 // Operations a point, cell, node or triangle; see docs/performance.md.
 constexpr double kNormalOperations = 1000;  // 60 rows of the gradient, 10 neighbours, one Jacobi
 constexpr double kSplatOperations = 6 * 6 * 6 * 4;
-constexpr double kIterationOperations = 22;  // 7-point operator, two dot products, three updates
-constexpr double kIterationBytes = 9 + 24 + 12;
+constexpr double kIterationOperations = 35;  // 7-point operator twice, two sums, three updates
+constexpr double kIterationBytes = 5 + 21 + 12;
 constexpr double kSampleOperations = 90;  // 27 products of three weights
 constexpr double kNodeOperations = 12;    // the spline at half steps, an axis at a time
 constexpr double kVertexOperations = 12;

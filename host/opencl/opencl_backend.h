@@ -79,14 +79,14 @@ class OpenClBackend final : public Backend {
                           std::array<View<const float>, 3> gradients,
                           std::array<View<float>, 3> normals) override;
 
-  void poisson_apply(const LevelView& level, View<const std::uint8_t> unknown, View<const float> p,
-                     View<float> q, View<float> partial) override;
   void poisson_residual(const LevelView& level, View<const std::uint8_t> unknown,
-                        View<const float> b, View<const float> x, View<float> r,
-                        View<float> partial) override;
-  void poisson_update_solution(const LevelView& level, float alpha, View<const float> p,
-                               View<const float> q, View<float> x, View<float> r,
-                               View<float> partial) override;
+                        View<const float> b, View<const float> x, View<float> r, View<float> p,
+                        View<float> b_square, View<float> r_square) override;
+  void poisson_energy(const LevelView& level, View<const std::uint8_t> unknown, View<const float> p,
+                      View<float> energy) override;
+  void poisson_update_solution(const LevelView& level, View<const std::uint8_t> unknown,
+                               float alpha, View<const float> p, View<float> x, View<float> r,
+                               View<float> r_square) override;
   void poisson_update_direction(const LevelView& level, float beta, View<const float> r,
                                 View<float> p) override;
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "tbb/point_gather.h"
+#include "tbb/rows.h"
 #include "tbb/tbb_backend.h"
 
 namespace vasamesh {
@@ -31,6 +32,16 @@ struct Taps {
     weight[1] = 0.75f - t * t;
     weight[2] = 0.5f * ((0.5f + t) * (0.5f + t));
   }
+  /// The weights of a brick's eight cells.
+  Row row() const {
+    constexpr Row kCell = {0, 1, 2, 3, 4, 5, 6, 7};
+    const Row i = kCell - static_cast<float>(first);
+    return i == 0.0f   ? weight[0] + Row{}
+           : i == 1.0f ? weight[1] + Row{}
+           : i == 2.0f ? weight[2] + Row{}
+                       : Row{};
+  }
+
   int first;
   float weight[3];
 };
@@ -94,48 +105,47 @@ void TbbBackend::isovalue_splat(const LevelView& level, const PointIndex& index,
     float* den = denominator.data() + kBrickCells * brick;
     std::fill_n(num, kBrickCells, 0.0f);
     std::fill_n(den, kBrickCells, 0.0f);
-    visit_points(
-        index, level.exponent, brick, coord, box, [&](std::uint32_t from, std::uint32_t to) {
-          for (std::uint32_t p = from; p < to; ++p) {
-            const float ax = points.area[0][p], ay = points.area[1][p], az = points.area[2][p];
-            const float area = std::sqrt((ax * ax + ay * ay) + az * az);
-            const auto tap = [&](int i) {
-              return Taps((points.position[i][p] - corner[i]) * per_voxel);
-            };
-            const Taps taps[3] = {tap(0), tap(1), tap(2)};
-            for (int k = 0; k < 3; ++k)
-              for (int j = 0; j < 3; ++j)
-                for (int i = 0; i < 3; ++i) {
-                  const int x = taps[0].first + i, y = taps[1].first + j, z = taps[2].first + k;
-                  if ((x | y | z) < 0 || x > 7 || y > 7 || z > 7) continue;
-                  const float w =
-                      area * (taps[0].weight[i] * (taps[1].weight[j] * taps[2].weight[k]));
-                  num[brick_cell(x, y, z)] += w * values[p];
-                  den[brick_cell(x, y, z)] += w;
-                }
-          }
-        });
+    const auto add = [&](std::uint32_t p) {
+      const auto tap = [&](int i) { return Taps((points.position[i][p] - corner[i]) * per_voxel); };
+      const Taps x = tap(0), y = tap(1), z = tap(2);
+      if (x.first < -2 || x.first > 7) return;
+      const float ax = points.area[0][p], ay = points.area[1][p], az = points.area[2][p];
+      const float area = std::sqrt((ax * ax + ay * ay) + az * az);
+      const Row along = x.row();
+      for (int k = std::max(z.first, 0); k < std::min(z.first + 3, 8); ++k)
+        for (int j = std::max(y.first, 0); j < std::min(y.first + 3, 8); ++j) {
+          const Row w = area * (along * (y.weight[j - y.first] * z.weight[k - z.first]));
+          const int row = brick_cell(0, j, k);
+          store_row(num + row, load_row(num + row) + w * values[p]);
+          store_row(den + row, load_row(den + row) + w);
+        }
+    };
+    visit_points(index, level.exponent, brick, coord, box,
+                 [&](std::uint32_t from, std::uint32_t to) {
+                   for (std::uint32_t p = from; p < to; ++p) add(p);
+                 });
   });
 }
 
 void TbbBackend::isovalue_smooth(const LevelView& level, int axis, float tap, View<const float> in,
                                  View<float> out) {
-  const int stride = axis == 0 ? 1 : axis == 1 ? 8 : 64;
-  const float own = 1.0f - 2.0f * tap;
+  const float keep = 1.0f - 2.0f * tap;
   for_each(level.bricks.count, kGrain, [=](std::size_t brick) {
-    const std::int32_t* near = level.bricks.neighbours.data() + 27 * brick;
-    const int step = axis == 0 ? 1 : axis == 1 ? 3 : 9;
-    const std::int32_t below = near[13 - step], above = near[13 + step];
-    for (int c = 0; c < kBrickCells; ++c) {
-      const int along = c / stride & 7;
-      const auto value = [&](std::int32_t b, int cell) {
-        return b == kNoBrick ? 0.0f : in[std::size_t{kBrickCells} * b + cell];
-      };
-      const auto self = static_cast<std::int32_t>(brick);
-      const float low = along > 0 ? value(self, c - stride) : value(below, c + 7 * stride);
-      const float high = along < 7 ? value(self, c + stride) : value(above, c - 7 * stride);
-      out[kBrickCells * brick + c] = own * in[kBrickCells * brick + c] + tap * (low + high);
-    }
+    const BrickRows rows(level.bricks, brick, in.data());
+    for (int z = 0; z < 8; ++z)
+      for (int y = 0; y < 8; ++y) {
+        const int c = brick_cell(0, y, z);
+        const Row own = load_row(rows.own + c);
+        Row low, high;
+        if (axis == 0) {
+          low = shifted_up(own, rows.left[c + 7]);
+          high = shifted_down(own, rows.right[c]);
+        } else {
+          low = rows.row(y - (axis == 1), z - (axis == 2));
+          high = rows.row(y + (axis == 1), z + (axis == 2));
+        }
+        store_row(out.data() + kBrickCells * brick + c, keep * own + tap * (low + high));
+      }
   });
 }
 

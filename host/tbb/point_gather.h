@@ -1,25 +1,15 @@
 #pragma once
 
 /// \file
-/// Reaching the points near a brick, and the quadratic B-spline, for the passes that gather.
+/// Reaching the points near a brick, for the passes that gather.
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 
 #include "types/octree.h"
 #include "types/point_cloud.h"
 
 namespace vasamesh {
-
-/// Quadratic B-spline of unit knots, centred; its integral is one. Without branches, so that loops
-/// over it are vectorised.
-inline float bspline(float t) {
-  const float a = std::fabs(t);
-  const float rest = std::max(1.5f - a, 0.0f);
-  const float inner = 0.75f - t * t, outer = 0.5f * (rest * rest);
-  return a < 0.5f ? inner : outer;
-}
 
 /// The voxels of a brick of a level, first to last + 1, along one axis.
 struct VoxelRange {
