@@ -18,6 +18,7 @@
 #include "support/backend_test.h"
 #include "support/dense_volume.h"
 #include "tbb/backend.h"
+#include "tbb/rows.h"
 
 namespace vasamesh {
 namespace {
@@ -45,25 +46,43 @@ TEST(Jacobi, AsEigensSolver) {
   std::mt19937 random(1);
   for (int i = 0; i < 4000; ++i) {
     const Eigen::Matrix3f m = random_covariance(random, i % 4);
-    const Eigen3 ours = eigen_symmetric(m(0, 0), m(0, 1), m(0, 2), m(1, 1), m(1, 2), m(2, 2));
+    float a[3][3];
+    for (int j = 0; j < 3; ++j)
+      for (int k = 0; k < 3; ++k) a[j][k] = m(j, k);
+    const auto least = least_eigenvector<OneLane>(a);
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> theirs(m.cast<double>());
     const double largest = theirs.eigenvalues()[2];
-    for (int j = 0; j < 3; ++j) {
-      EXPECT_NEAR(ours.value[j], theirs.eigenvalues()[j], 2e-6 * largest);
-      const Eigen::Vector3d v(ours.vector[j][0], ours.vector[j][1], ours.vector[j][2]);
-      EXPECT_NEAR(v.norm(), 1, 2e-6);
-      EXPECT_LE((m.cast<double>() * v - ours.value[j] * v).norm(), 4e-6 * largest);
+    std::array<float, 3> values = {a[0][0], a[1][1], a[2][2]};
+    std::sort(values.begin(), values.end());
+    for (int j = 0; j < 3; ++j) EXPECT_NEAR(values[j], theirs.eigenvalues()[j], 2e-6 * largest);
+    const Eigen::Vector3d v(least[0], least[1], least[2]);
+    EXPECT_NEAR(v.norm(), 1, 2e-6);
+    EXPECT_LE((m.cast<double>() * v - values[0] * v).norm(), 4e-6 * largest);
+  }
+}
+
+TEST(Jacobi, EightLanesAsOne) {
+  std::mt19937 random(2);
+  for (int i = 0; i < 500; ++i) {
+    Row rows[3][3];
+    float alone[8][3][3];
+    for (int lane = 0; lane < 8; ++lane) {
+      const Eigen::Matrix3f m = random_covariance(random, lane % 4);
+      for (int j = 0; j < 3; ++j)
+        for (int k = 0; k < 3; ++k) rows[j][k][lane] = alone[lane][j][k] = m(j, k);
+    }
+    const auto together = least_eigenvector<RowLanes>(rows);
+    for (int lane = 0; lane < 8; ++lane) {
+      const auto want = least_eigenvector<OneLane>(alone[lane]);
+      for (std::size_t j = 0; j < 3; ++j) EXPECT_EQ(together[j][lane], want[j]);
     }
   }
 }
 
 TEST(Jacobi, DiagonalAndNothing) {
-  const Eigen3 diagonal = eigen_symmetric(3, 0, 0, 1, 0, 2);
-  EXPECT_EQ(diagonal.value, (std::array<float, 3>{1, 2, 3}));
-  EXPECT_EQ(diagonal.vector[0], (std::array<float, 3>{0, 1, 0}));
-  const Eigen3 nothing = eigen_symmetric(0, 0, 0, 0, 0, 0);
-  EXPECT_EQ(nothing.value, (std::array<float, 3>{0, 0, 0}));
-  EXPECT_EQ(nothing.vector[0], (std::array<float, 3>{1, 0, 0}));
+  float diagonal[3][3] = {{3, 0, 0}, {0, 1, 0}, {0, 0, 2}}, nothing[3][3] = {};
+  EXPECT_EQ(least_eigenvector<OneLane>(diagonal), (std::array<float, 3>{0, 1, 0}));
+  EXPECT_EQ(least_eigenvector<OneLane>(nothing), (std::array<float, 3>{1, 0, 0}));
 }
 
 // --- The passes. -------------------------------------------------------------------------------

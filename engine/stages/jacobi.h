@@ -1,9 +1,10 @@
 #pragma once
 
 /// \file
-/// Eigenvalues and eigenvectors of a symmetric 3 x 3 matrix by cyclic Jacobi rotations (Golub and
-/// Van Loan, "Matrix Computations", section 8.5): a fixed number of sweeps in float32, so that
-/// every backend gives the same bytes.
+/// Eigenvectors of symmetric 3 x 3 matrices by cyclic Jacobi rotations (Golub and Van Loan, "Matrix
+/// Computations", section 8.5): a fixed number of sweeps in float32, so that every backend gives
+/// the same bytes. `Lanes` says whether of one matrix or of several at once: its Number, and of
+/// that any(mask), absolute and square_root.
 
 #include <array>
 #include <cmath>
@@ -12,61 +13,60 @@ namespace vasamesh {
 
 inline constexpr int kJacobiSweeps = 5;
 
-/// Ascending eigenvalues; vector[i] is the unit eigenvector of value[i].
-struct Eigen3 {
-  std::array<float, 3> value;
-  std::array<std::array<float, 3>, 3> vector;
+/// One matrix.
+struct OneLane {
+  using Number = float;
+  static bool any(bool mask) { return mask; }
+  static float absolute(float value) { return std::fabs(value); }
+  static float square_root(float value) { return std::sqrt(value); }
 };
 
 /// One rotation that zeroes a[p][q]; r is the third index. Skipped where a[p][q] is below `least`.
-inline void jacobi_rotate(float a[3][3], float v[3][3], int p, int q, int r, float least) {
-  const float apq = a[p][q];
-  if (std::fabs(apq) <= least) return;
-  const float theta = (a[q][q] - a[p][p]) / (2.0f * apq);
-  const float t_size = 1.0f / (std::fabs(theta) + std::sqrt(theta * theta + 1.0f));
-  const float t = theta < 0.0f ? -t_size : t_size;
-  const float c = 1.0f / std::sqrt(t * t + 1.0f);
-  const float s = t * c;
-  a[p][p] = a[p][p] - t * apq;
-  a[q][q] = a[q][q] + t * apq;
-  a[p][q] = a[q][p] = 0.0f;
-  const float arp = a[r][p], arq = a[r][q];
-  a[r][p] = a[p][r] = c * arp - s * arq;
-  a[r][q] = a[q][r] = s * arp + c * arq;
-  for (int i = 0; i < 3; ++i) {
-    const float vip = v[i][p], viq = v[i][q];
-    v[i][p] = c * vip - s * viq;
-    v[i][q] = s * vip + c * viq;
+template <class Lanes, class Number = typename Lanes::Number>
+void jacobi_rotate(Number (&a)[3][3], Number (&v)[3][3], int p, int q, int r, const Number& least) {
+  const Number apq = a[p][q];
+  const auto turned = Lanes::absolute(apq) > least;
+  if (!Lanes::any(turned)) return;
+  const Number theta = (a[q][q] - a[p][p]) / (2.0f * apq);
+  const Number size = 1.0f / (Lanes::absolute(theta) + Lanes::square_root(theta * theta + 1.0f));
+  const Number t = theta < 0.0f ? -size : size;
+  const Number c = 1.0f / Lanes::square_root(t * t + 1.0f);
+  const Number s = t * c;
+  const auto set = [&](Number& entry, const Number& value) { entry = turned ? value : entry; };
+  set(a[p][p], a[p][p] - t * apq);
+  set(a[q][q], a[q][q] + t * apq);
+  set(a[p][q], Number{});
+  const Number arp = a[r][p], arq = a[r][q];
+  set(a[r][p], c * arp - s * arq);
+  set(a[r][q], s * arp + c * arq);
+  a[q][p] = a[p][q], a[p][r] = a[r][p], a[q][r] = a[r][q];
+  for (auto& row : v) {
+    const Number vip = row[p], viq = row[q];
+    set(row[p], c * vip - s * viq);
+    set(row[q], s * vip + c * viq);
   }
 }
 
-/// \param xx, xy, ...  the six entries of a positive semi-definite matrix.
-inline Eigen3 eigen_symmetric(float xx, float xy, float xz, float yy, float yz, float zz) {
-  float a[3][3] = {{xx, xy, xz}, {xy, yy, yz}, {xz, yz, zz}};
-  float v[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-  const float least = 1e-7f * ((xx + yy) + zz);
+/// The unit eigenvector of the smallest eigenvalue of a positive semi-definite matrix, of which the
+/// diagonal of the eigenvalues is left.
+template <class Lanes, class Number = typename Lanes::Number>
+std::array<Number, 3> least_eigenvector(Number (&a)[3][3]) {
+  const Number one = Number{} + 1.0f;
+  Number v[3][3] = {{one, {}, {}}, {{}, one, {}}, {{}, {}, one}};
+  const Number least = 1e-7f * ((a[0][0] + a[1][1]) + a[2][2]);
   for (int sweep = 0; sweep < kJacobiSweeps; ++sweep) {
-    jacobi_rotate(a, v, 0, 1, 2, least);
-    jacobi_rotate(a, v, 0, 2, 1, least);
-    jacobi_rotate(a, v, 1, 2, 0, least);
+    jacobi_rotate<Lanes>(a, v, 0, 1, 2, least);
+    jacobi_rotate<Lanes>(a, v, 0, 2, 1, least);
+    jacobi_rotate<Lanes>(a, v, 1, 2, 0, least);
   }
-  int order[3] = {0, 1, 2};
-  const auto sort_pair = [&](int i, int j) {
-    if (a[order[j]][order[j]] >= a[order[i]][order[i]]) return;
-    const int swapped = order[i];
-    order[i] = order[j];
-    order[j] = swapped;
-  };
-  sort_pair(0, 1);
-  sort_pair(1, 2);
-  sort_pair(0, 1);
-  Eigen3 eigen;
-  for (int i = 0; i < 3; ++i) {
-    const int column = order[i];
-    eigen.value[i] = a[column][column];
-    for (int j = 0; j < 3; ++j) eigen.vector[i][j] = v[j][column];
+  const auto second = a[1][1] < a[0][0];
+  const auto third = a[2][2] < (second ? a[1][1] : a[0][0]);
+  std::array<Number, 3> vector;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Number first_two = second ? v[i][1] : v[i][0];
+    vector[i] = third ? v[i][2] : first_two;
   }
-  return eigen;
+  return vector;
 }
 
 }  // namespace vasamesh

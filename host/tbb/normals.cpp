@@ -5,20 +5,16 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <span>
 #include <vector>
 
 #include "stages/gradient_table.h"
 #include "stages/jacobi.h"
+#include "tbb/nearest.h"
 #include "tbb/tbb_backend.h"
 
 namespace vasamesh {
 
 namespace {
-
-using Vec = std::array<float, 3>;
-
-float dot(const Vec& a, const Vec& b) { return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]; }
 
 template <class Views>
 Vec load(const Views& views, std::size_t i) {
@@ -92,220 +88,72 @@ Vec outward_gradient(const BitView& object, const GradientTable& wide, const Gra
 
 // --- Covariance. -------------------------------------------------------------------------------
 
-constexpr int kReach = kNeighbourReach;
-constexpr int kBlock = 2 * kReach + 1;
-constexpr int kSpan = kBrickSide + 2 * kReach;
-constexpr int kMaxNeighbours = 64 + 1;  // with the point's own voxel
-
-/// The points of a brick and of the voxels round it, copied together, row after row of voxels.
-class Neighbourhood {
- public:
-  struct Sample {
-    Vec position, gradient;
-    std::uint32_t index;  // in the point cloud
-  };
-
-  void gather(const PointView& points, const BrickView& bricks,
-              View<const std::uint32_t> voxel_start,
-              const std::array<View<const float>, 3>& gradients, std::size_t brick) {
-    samples_.clear();
-    const std::int32_t* near = bricks.neighbours.data() + 27 * brick;
-    std::uint32_t cell = 0;
-    for (int z = -kReach; z < kBrickSide + kReach; ++z)
-      for (int y = -kReach; y < kBrickSide + kReach; ++y)
-        for (int x = -kReach; x < kBrickSide + kReach; ++x, ++cell) {
-          start_[cell] = static_cast<std::uint32_t>(samples_.size());
-          const std::int32_t b = near[brick_neighbour(x >> 3, y >> 3, z >> 3)];
-          if (b == kNoBrick) continue;
-          const std::size_t voxel = std::size_t{kBrickCells} * b + brick_cell(x & 7, y & 7, z & 7);
-          for (std::uint32_t i = voxel_start[voxel]; i < voxel_start[voxel + 1]; ++i)
-            samples_.push_back({load(points.position, i), load(gradients, i), i});
-        }
-    start_[cell] = static_cast<std::uint32_t>(samples_.size());
+/// The neighbours of eight points side by side; zeros where a point has fewer than another.
+struct NeighbourRows {
+  NeighbourRows(const NearestRows& nearest, int lanes) {
+    float number[8] = {1, 1, 1, 1, 1, 1, 1, 1};
+    for (int lane = 0; lane < lanes; ++lane) {
+      number[lane] = static_cast<float>(nearest.count(lane));
+      most = std::max(most, nearest.count(lane));
+    }
+    count = load_row(number);
+    for (int i = 0; i < most; ++i) {
+      float values[3][8] = {};
+      for (int lane = 0; lane < lanes; ++lane)
+        for (int axis = 0; axis < 3 && i < nearest.count(lane); ++axis)
+          values[axis][lane] = nearest.offset(lane, i)[axis];
+      offset[i] = {load_row(values[0]), load_row(values[1]), load_row(values[2])};
+    }
   }
-
-  /// The samples of a voxel; brick coordinates.
-  std::span<const Sample> voxel(int x, int y, int z) const {
-    const int cell = cell_of(x, y, z);
-    return {samples_.data() + start_[cell], start_[cell + 1] - start_[cell]};
-  }
-  /// True where no voxel in reach of x has samples in the row.
-  bool row_is_empty(int x, int y, int z) const {
-    return start_[cell_of(x - kReach, y, z)] == start_[cell_of(x + kReach, y, z) + 1];
-  }
-
- private:
-  static int cell_of(int x, int y, int z) {
-    return x + kReach + kSpan * (y + kReach + kSpan * (z + kReach));
-  }
-
-  std::vector<Sample> samples_;
-  std::uint32_t start_[kSpan * kSpan * kSpan + 1];
+  int most = 0;
+  Row count;
+  std::array<VecRows, NearestRows::kMost> offset;
 };
 
-/// A neighbour: the samples of one voxel that agree with the point, at their mean.
-struct Neighbour {
-  float distance;       // squared
-  std::uint32_t index;  // of its first sample: breaks ties
-  Vec offset;           // from the point, in voxel lengths
-
-  bool before(const Neighbour& other) const {
-    return distance < other.distance || (distance == other.distance && index < other.index);
-  }
-};
-
-/// The nearest neighbours so far, in order.
-class NearestList {
- public:
-  explicit NearestList(int capacity) : capacity_(capacity) {}
-
-  void clear() { count_ = 0; }
-  bool full() const { return count_ == capacity_; }
-  /// True when nothing at this squared distance or beyond can be among the nearest.
-  bool excludes(float distance) const {
-    return full() && distance > kSafe * entries_[count_ - 1].distance;
-  }
-  std::span<const Neighbour> entries() const {
-    return {entries_, static_cast<std::size_t>(count_)};
-  }
-
-  void offer(const Neighbour& candidate) {
-    if (full() && !candidate.before(entries_[count_ - 1])) return;
-    int i = full() ? count_ - 1 : count_++;
-    for (; i > 0 && candidate.before(entries_[i - 1]); --i) entries_[i] = entries_[i - 1];
-    entries_[i] = candidate;
-  }
-
- private:
-  static constexpr float kSafe = 1.001f;  // covers the rounding of distances
-
-  int capacity_, count_ = 0;
-  Neighbour entries_[kMaxNeighbours];
-};
-
-/// One point whose neighbours are sought.
-struct Query {
-  Vec position, gradient;
-  std::array<int, 3> voxel;
-};
-
-/// The rows of voxels in reach, (dy, dz), nearest first.
-struct RowOffsets {
-  std::array<std::array<int, 2>, kBlock * kBlock> offset;
-
-  RowOffsets() {
-    for (int i = 0; i < kBlock * kBlock; ++i)
-      offset[i] = {i % kBlock - kReach, i / kBlock - kReach};
-    const auto square = [](const std::array<int, 2>& o) { return o[0] * o[0] + o[1] * o[1]; };
-    std::stable_sort(offset.begin(), offset.end(),
-                     [&](const auto& a, const auto& b) { return square(a) < square(b); });
-  }
-};
-
-/// Squares of the distances from a point to the slabs of voxels round its own, along each axis.
-struct Gaps {
-  std::array<std::array<float, kBlock>, 3> square;
-
-  Gaps(const Query& query, const Scale& scale) {
+/// The matrices k C = sum of (p_i - mean) (p_i - mean)^T + k tau (1 - g g^T).
+void covariances(const NeighbourRows& neighbours, const VecRows& g, Row (&c)[3][3]) {
+  VecRows mean{};
+  for (int i = 0; i < neighbours.most; ++i)
+    for (int axis = 0; axis < 3; ++axis) mean[axis] += neighbours.offset[i][axis];
+  for (Row& axis : mean) axis = axis / neighbours.count;
+  const Row weight = kTangentWeight * neighbours.count;
+  for (int j = 0; j < 3; ++j)
+    for (int k = j; k < 3; ++k)
+      c[j][k] = j == k ? weight * (1.0f - g[j] * g[k]) : -weight * (g[j] * g[k]);
+  for (int i = 0; i < neighbours.most; ++i) {
+    const RowMask there = neighbours.count > static_cast<float>(i);
+    VecRows d;
     for (int axis = 0; axis < 3; ++axis)
-      for (int i = 0; i < kBlock; ++i) {
-        const int voxel = query.voxel[axis] + i - kReach;
-        const float below = static_cast<float>(voxel) - query.position[axis];
-        const float above = query.position[axis] - static_cast<float>(voxel + 1);
-        const float gap = std::max(std::max(below, above), 0.0f) * scale[axis];
-        square[axis][i] = gap * gap;
-      }
+      d[axis] = where(there, neighbours.offset[i][axis] - mean[axis]);
+    for (int j = 0; j < 3; ++j)
+      for (int k = j; k < 3; ++k) c[j][k] += d[j] * d[k];
   }
-};
+  c[1][0] = c[0][1], c[2][0] = c[0][2], c[2][1] = c[1][2];
+}
 
-/// The neighbour that one voxel's samples make; false where none of them agrees.
-bool make_neighbour(std::span<const Neighbourhood::Sample> samples, const Query& query,
-                    const Scale& scale, Neighbour& neighbour) {
-  Vec sum{0, 0, 0};
-  float agreeing = 0;
-  for (const Neighbourhood::Sample& sample : samples) {
-    // a factor in place of a branch, which both sheets of a thin vessel make unpredictable
-    const float agrees = dot(sample.gradient, query.gradient) > kSameSheet ? 1.0f : 0.0f;
-    for (int axis = 0; axis < 3; ++axis)
-      sum[axis] += agrees * (sample.position[axis] - query.position[axis]);
-    agreeing += agrees;
-  }
-  if (agreeing == 0) return false;
+/// The normals of the planes through the neighbours; gradients where those are against the faces.
+VecRows plane_normals(const NeighbourRows& neighbours, const VecRows& gradient,
+                      const VecRows& area) {
+  Row matrix[3][3];
+  covariances(neighbours, gradient, matrix);
+  const VecRows v = least_eigenvector<RowLanes>(matrix);
+  const Row length = RowLanes::square_root(dot(v, v));
+  const Row by = dot(v, gradient) < 0.0f ? -length : length;
+  VecRows normal = {v[0] / by, v[1] / by, v[2] / by};
+  const Row along = dot(normal, area);
+  const RowMask against = (along < 0.0f) & (along * along > kAgainstFaces * dot(area, area));
+  for (int axis = 0; axis < 3; ++axis) normal[axis] = against ? gradient[axis] : normal[axis];
+  return normal;
+}
+
+/// Three values of the points from `first` on, as many as `count`; then the last of them again.
+template <class Views>
+VecRows load_rows(const Views& views, std::uint32_t first, int count) {
+  VecRows rows;
   for (int axis = 0; axis < 3; ++axis)
-    neighbour.offset[axis] = (sum[axis] / agreeing) * scale[axis];
-  neighbour.distance = dot(neighbour.offset, neighbour.offset);
-  neighbour.index = samples.front().index;
-  return true;
-}
-
-/// A voxel with samples in reach of another, and where it lies in the block round that one.
-struct Candidate {
-  std::span<const Neighbourhood::Sample> samples;
-  std::array<int, 3> place;
-};
-
-/// The voxels in reach of voxel (x, y, z) that have samples, the nearest rows first.
-void collect_candidates(const Neighbourhood& near, int x, int y, int z,
-                        std::vector<Candidate>& candidates) {
-  static const RowOffsets rows;
-  candidates.clear();
-  for (const auto [dy, dz] : rows.offset) {
-    if (near.row_is_empty(x, y + dy, z + dz)) continue;
-    for (int dx = -kReach; dx <= kReach; ++dx)
-      if (const auto samples = near.voxel(x + dx, y + dy, z + dz); !samples.empty())
-        candidates.push_back({samples, {dx + kReach, dy + kReach, dz + kReach}});
-  }
-}
-
-/// The nearest neighbours; skips voxels that are farther than those at hand.
-void find_neighbours(std::span<const Candidate> candidates, const Query& query, const Scale& scale,
-                     NearestList& nearest) {
-  const Gaps gaps(query, scale);
-  Neighbour neighbour;
-  nearest.clear();
-  for (const Candidate& candidate : candidates) {
-    const auto [x, y, z] = candidate.place;
-    if (nearest.excludes(gaps.square[0][x] + gaps.square[1][y] + gaps.square[2][z])) continue;
-    if (make_neighbour(candidate.samples, query, scale, neighbour)) nearest.offer(neighbour);
-  }
-}
-
-/// Six entries of a symmetric 3 x 3 matrix.
-struct Symmetric {
-  float xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
-
-  void add_square(const Vec& v) {
-    xx += v[0] * v[0];
-    xy += v[0] * v[1];
-    xz += v[0] * v[2];
-    yy += v[1] * v[1];
-    yz += v[1] * v[2];
-    zz += v[2] * v[2];
-  }
-};
-
-/// The tangent plane of the gradient g as a matrix: weight * (1 - g g^T).
-Symmetric tangent_plane(const Vec& g, float weight) {
-  return {weight * (1.0f - g[0] * g[0]), -weight * (g[0] * g[1]), -weight * (g[0] * g[2]),
-          weight * (1.0f - g[1] * g[1]), -weight * (g[1] * g[2]), weight * (1.0f - g[2] * g[2])};
-}
-
-/// The normal of the plane through the neighbours; the gradient where that is against the faces.
-Vec plane_normal(std::span<const Neighbour> neighbours, const Vec& gradient, const Vec& area) {
-  const auto count = static_cast<float>(neighbours.size());
-  Vec mean{0, 0, 0};
-  for (const Neighbour& n : neighbours)
-    for (int axis = 0; axis < 3; ++axis) mean[axis] += n.offset[axis];
-  mean = divided(mean, count);
-  // k C = sum of (p_i - mean) (p_i - mean)^T + k tau (1 - g g^T)
-  Symmetric c = tangent_plane(gradient, kTangentWeight * count);
-  for (const Neighbour& n : neighbours)
-    c.add_square({n.offset[0] - mean[0], n.offset[1] - mean[1], n.offset[2] - mean[2]});
-  const Eigen3 eigen = eigen_symmetric(c.xx, c.xy, c.xz, c.yy, c.yz, c.zz);
-  const Vec& v = eigen.vector[0];
-  const float length = std::sqrt(dot(v, v));
-  const Vec normal = divided(v, dot(v, gradient) < 0.0f ? -length : length);
-  return is_against(normal, area) ? gradient : normal;
+    for (int lane = 0; lane < 8; ++lane)
+      rows[axis][lane] = views[axis][first + static_cast<std::uint32_t>(std::min(lane, count - 1))];
+  return rows;
 }
 
 /// What one task of the covariance pass holds.
@@ -313,8 +161,8 @@ struct Workspace {
   explicit Workspace(int neighbours) : nearest(neighbours) {}
 
   Neighbourhood near;
-  std::vector<Candidate> candidates;
-  NearestList nearest;
+  std::vector<Neighbourhood::Candidate> candidates;
+  NearestRows nearest;
 };
 
 }  // namespace
@@ -342,14 +190,18 @@ void TbbBackend::normals_covariance(const PointView& points, const BrickView& br
                           last = voxel_start[brick * kBrickCells + voxel + 1];
       if (first == last) continue;
       const int x = voxel & 7, y = voxel >> 3 & 7, z = voxel >> 6;
-      collect_candidates(work.near, x, y, z, work.candidates);
-      for (std::uint32_t i = first; i < last; ++i) {
-        const Query query{load(points.position, i),
-                          load(gradients, i),
-                          {8 * at.x + x, 8 * at.y + y, 8 * at.z + z}};
-        find_neighbours(work.candidates, query, scale, work.nearest);
-        store(normals, i,
-              plane_normal(work.nearest.entries(), query.gradient, load(points.area, i)));
+      work.near.collect(x, y, z, work.candidates);
+      for (std::uint32_t i = first; i < last; i += 8) {
+        const int count = static_cast<int>(std::min(last - i, 8u));
+        const Queries queries{count,
+                              load_rows(points.position, i, count),
+                              load_rows(gradients, i, count),
+                              {8 * at.x + x, 8 * at.y + y, 8 * at.z + z}};
+        work.nearest.find(work.candidates, queries, scale);
+        const VecRows found = plane_normals(NeighbourRows(work.nearest, count), queries.gradient,
+                                            load_rows(points.area, i, count));
+        for (int lane = 0; lane < count; ++lane)
+          store(normals, i + lane, {found[0][lane], found[1][lane], found[2][lane]});
       }
     }
   };

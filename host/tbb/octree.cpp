@@ -19,7 +19,7 @@ using Triple = float __attribute__((vector_size(16)));
 
 /// Quadratic B-spline of unit knots, centred; its integral is one.
 Row bspline(const Row& t) {
-  const Row size = t < 0.0f ? -t : t, rest = 1.5f - size;
+  const Row size = RowLanes::absolute(t), rest = 1.5f - size;
   const Row tail = rest < 0.0f ? Row{} : rest;
   const Row inner = 0.75f - t * t, outer = 0.5f * (tail * tail);
   return size < 0.5f ? inner : outer;

@@ -4,6 +4,7 @@
 /// Rows of eight cells as vectors, for passes over bricks. Their arithmetic is that of each lane;
 /// the compiler gives them the widest registers that it may use.
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -37,6 +38,23 @@ inline RowMask load_mask(const std::uint8_t* from) {
 inline Row where(const RowMask& mask, const Row& row) {
   return reinterpret_cast<Row>(reinterpret_cast<RowMask>(row) & mask);
 }
+
+/// What passes ask of eight lanes at once.
+struct RowLanes {
+  using Number = Row;
+  static bool any(const RowMask& mask) {
+    std::uint64_t parts[4];
+    std::memcpy(parts, &mask, sizeof parts);
+    return ((parts[0] | parts[1]) | (parts[2] | parts[3])) != 0;
+  }
+  static Row absolute(const Row& row) { return row < 0.0f ? -row : row; }
+  static Row square_root(const Row& row) {
+    float values[8];
+    std::memcpy(values, &row, sizeof values);
+    for (float& value : values) value = std::sqrt(value);
+    return load_row(values);
+  }
+};
 
 /// The row one cell further: the last seven values, then `next`.
 inline Row shifted_down(const Row& row, float next) {
