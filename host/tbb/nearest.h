@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <limits>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "stages/normals.h"
@@ -49,7 +50,9 @@ class Neighbourhood {
     const std::int32_t* near = bricks.neighbours.data() + 27 * brick;
     std::uint32_t cell = 0;
     for (int z = -kReach; z < kBrickSide + kReach; ++z)
-      for (int y = -kReach; y < kBrickSide + kReach; ++y)
+      for (int y = -kReach; y < kBrickSide + kReach; ++y) {
+        std::uint32_t& occupied = occupied_[row_of(y, z)];
+        occupied = 0;
         for (int x = -kReach; x < kBrickSide + kReach; ++x, ++cell) {
           start_[cell] = static_cast<std::uint32_t>(samples_.size());
           const std::int32_t b = near[brick_neighbour(x >> 3, y >> 3, z >> 3)];
@@ -57,49 +60,54 @@ class Neighbourhood {
           const std::size_t voxel = std::size_t{kBrickCells} * b + brick_cell(x & 7, y & 7, z & 7);
           for (std::uint32_t i = voxel_start[voxel]; i < voxel_start[voxel + 1]; ++i)
             samples_.push_back({load(points.position, i), load(gradients, i), i});
+          if (start_[cell] < samples_.size()) occupied |= 1u << (x + kReach);
         }
+      }
     start_[cell] = static_cast<std::uint32_t>(samples_.size());
   }
 
   /// The voxels in reach of voxel (x, y, z) of the brick that have samples, nearest first.
   void collect(int x, int y, int z, std::vector<Candidate>& candidates) const {
-    static const Offsets offsets;
-    candidates.clear();
-    for (const auto [dx, dy, dz] : offsets.nearest_first) {
+    std::array<int, kFarthest + 1> start{};  // by the square of the distance
+    const auto square = [](int dx, int dy, int dz) { return dx * dx + dy * dy + dz * dz; };
+    visit_near(x, y, z, [&](int dx, int dy, int dz) { ++start[square(dx, dy, dz)]; });
+    int total = 0;
+    for (int& i : start) i = std::exchange(total, total + i);
+    candidates.resize(static_cast<std::size_t>(total));
+    visit_near(x, y, z, [&](int dx, int dy, int dz) {
       const int cell = cell_of(x + dx, y + dy, z + dz);
-      if (start_[cell] == start_[cell + 1]) continue;
-      candidates.push_back({{samples_.data() + start_[cell], start_[cell + 1] - start_[cell]},
-                            {dx + kReach, dy + kReach, dz + kReach}});
-    }
+      candidates[start[square(dx, dy, dz)]++] = {
+          {samples_.data() + start_[cell], start_[cell + 1] - start_[cell]},
+          {dx + kReach, dy + kReach, dz + kReach}};
+    });
   }
 
  private:
   static constexpr int kSpan = kBrickSide + 2 * kReach;
 
-  struct Offsets {
-    std::array<std::array<int, 3>, kBlock * kBlock * kBlock> nearest_first;
+  static constexpr int kFarthest = 3 * kReach * kReach;
 
-    Offsets() {
-      int i = 0;
-      for (int z = -kReach; z <= kReach; ++z)
-        for (int y = -kReach; y <= kReach; ++y)
-          for (int x = -kReach; x <= kReach; ++x) nearest_first[i++] = {x, y, z};
-      const auto square = [](const auto& o) { return o[0] * o[0] + o[1] * o[1] + o[2] * o[2]; };
-      std::stable_sort(nearest_first.begin(), nearest_first.end(),
-                       [&](const auto& a, const auto& b) { return square(a) < square(b); });
-    }
-  };
+  /// visit(dx, dy, dz) for the voxels in reach that have samples.
+  template <class Visit>
+  void visit_near(int x, int y, int z, const Visit& visit) const {
+    for (int dz = -kReach; dz <= kReach; ++dz)
+      for (int dy = -kReach; dy <= kReach; ++dy) {
+        const unsigned row = occupied_[row_of(y + dy, z + dz)] >> x;
+        for (unsigned bits = row & ((1u << kBlock) - 1); bits != 0; bits &= bits - 1)
+          visit(std::countr_zero(bits) - kReach, dy, dz);
+      }
+  }
 
   template <class Views>
   static Vec load(const Views& views, std::size_t i) {
     return {views[0][i], views[1][i], views[2][i]};
   }
-  static int cell_of(int x, int y, int z) {
-    return x + kReach + kSpan * (y + kReach + kSpan * (z + kReach));
-  }
+  static int row_of(int y, int z) { return y + kReach + kSpan * (z + kReach); }
+  static int cell_of(int x, int y, int z) { return x + kReach + kSpan * row_of(y, z); }
 
   std::vector<Sample> samples_;
   std::uint32_t start_[kSpan * kSpan * kSpan + 1];
+  std::uint32_t occupied_[kSpan * kSpan];  ///< of a row: bit x + kReach, where samples are
 };
 
 /// Points of one voxel whose neighbours are sought; lanes past `count` repeat the last.

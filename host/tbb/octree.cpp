@@ -57,8 +57,8 @@ struct Splat {
     Triple width = kernel.at(points.thickness[p]) / side;
     width = width < 1.0f ? Triple{1, 1, 1, 1} : width;
     const Triple reach = 1.5f * width + 0.5f;
-    for (int i = 0; i < 3; ++i)  // whether the kernel comes to the brick's cells
-      if (!(at[i] > 0.5f - reach[i] && at[i] < 7.5f + reach[i])) return;
+    const auto inside = (at > 0.5f - reach) & (at < 7.5f + reach);
+    if ((inside[0] & inside[1] & inside[2]) == 0) return;
     const Triple inverse = 1.0f / width;
     const Triple n = load(points.normal, p), area = load(points.area, p);
     const float weight = (area[0] * n[0] + area[1] * n[1]) + area[2] * n[2];
