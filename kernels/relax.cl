@@ -255,17 +255,21 @@ static float3 relax_most_equal_place(const RelaxRing *ring, RelaxPoint p) {
 }
 
 static void relax_equalise_vertex(const RelaxGoal *goal, const RelaxRing *ring, uint vertex,
-                                  global float *points) {
+                                  bool onto, global float *points) {
   const RelaxPoint p = relax_load(points, vertex);
   RelaxPoint moved = p;
   moved.position = relax_most_equal_place(ring, p);
   if (moved.position.x == p.position.x && moved.position.y == p.position.y &&
       moved.position.z == p.position.z)
     return;
-  if (!relax_onto_surface(goal, RELAX_EQUALISING_REACH, &moved)) return;
+  if (onto && !relax_onto_surface(goal, RELAX_EQUALISING_REACH, &moved)) return;
   if (!(relax_equality(ring, moved.position) > relax_equality(ring, p.position))) return;
-  if (relax_may_move(ring, p, moved, relax_least(RELAX_SINE40, relax_facing_quality(ring, p))))
+  if (!relax_may_move(ring, p, moved, relax_least(RELAX_SINE40, relax_facing_quality(ring, p))))
+    return;
+  if (onto)
     relax_store(points, vertex, moved);
+  else
+    vstore3(moved.position, 0, points + RELAX_POINT * (size_t)vertex);
 }
 
 /// The vertices of one part, level by level.
@@ -300,8 +304,10 @@ kernel __attribute__((BRICK_GROUP)) void relax_smooth(
 kernel __attribute__((BRICK_GROUP)) void relax_equalise(
     RELAX_GOAL, VIEW(const uint, part_level), VIEW(const uint, level_first),
     VIEW(const uint, vertex), VIEW(const uint, ring_start), VIEW(const uint, rings), int passes,
-    VIEW(float, points)) {
-  RELAX_PART(relax_equalise_vertex)
+    int onto, VIEW(float, points)) {
+#define RELAX_EQUALISE(goal, ring, vertex, points) \
+  relax_equalise_vertex(goal, ring, vertex, onto != 0, points)
+  RELAX_PART(RELAX_EQUALISE)
 }
 
 // --- Gaps. ---------------------------------------------------------------------------------------

@@ -372,9 +372,10 @@ class Backend : public Memory {
   virtual void relax_smooth(const FieldView& field, const SizeView& sizes, const PlaceView& places,
                             const FanView& fans, int passes, View<SurfacePoint> points) = 0;
 
-  /// Moves those vertices towards equal edges (find_more_equal), likewise. None is on a border.
+  /// Moves those vertices towards equal edges (find_more_equal), likewise, and onto the surface if
+  /// `onto` says so; else across their normals alone. None is on a border.
   virtual void relax_equalise(const FieldView& field, const SizeView& sizes,
-                              const PlaceView& places, const FanView& fans, int passes,
+                              const PlaceView& places, const FanView& fans, int passes, bool onto,
                               View<SurfacePoint> points) = 0;
 
   /// gaps = how far the surface lies outside of the triangles round each fan's vertex (mean_gap).

@@ -1,6 +1,7 @@
 #include "stages/fan_moves.h"
 
 #include <algorithm>
+#include <array>
 
 #include "stages/compass.h"
 #include "stages/patch_rules.h"
@@ -41,28 +42,58 @@ Vec3 border_step(const SurfacePoint& p, const Ring& ring) {
   return 0.5f * (middle - p.position);
 }
 
+/// A triangle's squared edge ratio, at most kEnoughEquality, from its squared edge lengths.
+float enough_equality(float a, float b, float c) {
+  const float longest = most(most(a, b), c);
+  const float equality = least(least(a, b), c) / longest;
+  return longest > 0 ? least(equality, kEnoughEquality) : 0.0f;
+}
+
 /// Sum over the triangles of the squared edge ratios, each at most kEnoughEquality.
 float fan_equality(const Ring& ring, const Vec3& p) {
-  float sum = 0;
-  for (std::size_t i = 0; i < ring.triangles(); ++i)
-    sum += std::min(edge_equality(p, ring[i].position, ring[i + 1].position), kEnoughEquality);
+  float sum = 0, to_first = squared_norm(ring[0].position - p);
+  for (std::size_t i = 0; i < ring.triangles(); ++i) {
+    const Vec3 &q = ring[i].position, &r = ring[i + 1].position;
+    const float to_second = squared_norm(r - p);
+    sum += enough_equality(to_first, squared_norm(r - q), to_second);
+    to_first = to_second;
+  }
   return sum;
 }
 
-/// Compass search across the normal of p for the place with the most equal edges.
-Vec3 most_equal_place(const SurfacePoint& p, const Ring& ring) {
+/// The same for each of the places.
+CompassValues fan_equalities(const Ring& ring, const CompassPlaces& places) {
+  const CompassPlaces at = places;
+  CompassValues sum{}, to_last{};  // the first edge ends no triangle: adds nothing
+  Vec3 last = ring[0].position;
+  for (std::size_t i = 0; i <= ring.triangles(); ++i) {
+    const Vec3 to = ring[i].position;
+    const float across = squared_norm(to - last);
+    for (std::size_t k = 0; k < kCompass.size(); ++k) {
+      const float x = to.x - at.x[k], y = to.y - at.y[k], z = to.z - at.z[k];
+      const float length = (x * x + y * y) + z * z;
+      sum[k] += enough_equality(to_last[k], across, length);
+      to_last[k] = length;
+    }
+    last = to;
+  }
+  return sum;
+}
+
+/// Compass search across the normal of p for the place with the most equal edges. \param before the
+/// sum of the ratios at p.
+Vec3 most_equal_place(const SurfacePoint& p, const Ring& ring, float before) {
   Vec3 place = p.position;
-  float best = fan_equality(ring, place);
-  if (best >= kEnoughEquality * static_cast<float>(ring.triangles()) - kSmallGain) return place;
-  const auto [u, w] = tangents(p.normal);
+  if (before >= kEnoughEquality * static_cast<float>(ring.triangles()) - kSmallGain) return place;
+  float best = before;
+  const std::array<Vec3, 2> axes = tangents(p.normal);
   for (float step : {0.08f, 0.04f}) {
-    const Vec3 from = place;
-    for (const auto& [cosine, sine] : kCompass) {
-      const Vec3 q = from + (step * p.size) * (cosine * u + sine * w);
-      const float equality = fan_equality(ring, q);
-      if (!(equality > best)) continue;
-      best = equality;
-      place = q;
+    const CompassPlaces places = compass_round(place, step * p.size, axes);
+    const CompassValues equalities = fan_equalities(ring, places);
+    for (std::size_t k = 0; k < kCompass.size(); ++k) {
+      if (!(equalities[k] > best)) continue;
+      best = equalities[k];
+      place = places[k];
     }
   }
   return place;
@@ -90,13 +121,14 @@ void smooth_vertex(const RemeshGoal& goal, const Ring& ring, SurfacePoint& p) {
   }
 }
 
-bool find_more_equal(const RemeshGoal& goal, const Ring& ring, const SurfacePoint& p,
+bool find_more_equal(const RemeshGoal& goal, const Ring& ring, const SurfacePoint& p, bool onto,
                      SurfacePoint& moved) {
   moved = p;
-  moved.position = most_equal_place(p, ring);
+  const float before = fan_equality(ring, p.position);
+  moved.position = most_equal_place(p, ring, before);
   if (moved.position == p.position) return false;
-  if (p.on_field && !put_onto_surface(goal, kEqualisingReach, moved)) return false;
-  return fan_equality(ring, moved.position) > fan_equality(ring, p.position) &&
+  if (onto && !put_onto_surface(goal, kEqualisingReach, moved)) return false;
+  return fan_equality(ring, moved.position) > before &&
          may_move(p, ring, moved, std::min(kSine40, facing_quality(p, ring)));
 }
 

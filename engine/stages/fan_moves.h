@@ -45,8 +45,8 @@ Vec3 smoothing_step(const SurfacePoint& p, const Ring& ring);
 void smooth_vertex(const RemeshGoal& goal, const Ring& ring, SurfacePoint& p);
 
 /// Whether p may go where the triangles round it have more equal edges, by a compass search across
-/// its normal; `moved` is that place, on the surface where p is.
-bool find_more_equal(const RemeshGoal& goal, const Ring& ring, const SurfacePoint& p,
+/// its normal; `moved` is that place, put onto the surface if `onto` says so.
+bool find_more_equal(const RemeshGoal& goal, const Ring& ring, const SurfacePoint& p, bool onto,
                      SurfacePoint& moved);
 
 // From an edge's midpoint to the surface at most, voxel lengths, and the steps of the projection.

@@ -64,8 +64,7 @@ void finish(Backend& backend, const RemeshGoal& goal, WorkingSurface& surface) {
   for (int round = 0; round < kFitRounds; ++round) {
     SurfaceBlocks blocks(backend, {kBlock, 0.1f + 0.4f * static_cast<float>(round)}, surface);
     const std::vector<PatchMesh*> parts = blocks.parts();
-    relaxer.fit(parts, 1);
-    relaxer.equalise(parts, 4);
+    relaxer.fit(parts, 4);
     blocks.join();
   }
 }

@@ -9,7 +9,8 @@ namespace vasamesh {
 
 namespace {
 
-constexpr float kInverseSide = 1.0f;  // of a cell, in voxel lengths
+constexpr float kSide = 4;        // of a cell, in mean half sides of a triangle's box
+constexpr float kSlack = 1.001f;  // for the rounding of middles
 
 const Vec3& place(const PatchMesh& mesh, std::uint32_t v) { return mesh.points[v].position; }
 
@@ -32,85 +33,86 @@ Clearance::Corners corners_of(const PatchMesh& mesh, std::uint32_t face) {
 
 }  // namespace
 
-struct Clearance::Box {
-  Vec3 low, high;
+Clearance::Box::Box(const PatchMesh& mesh, const Corners& t) : low(place(mesh, t[0])), high(low) {
+  take_in(place(mesh, t[1]));
+  take_in(place(mesh, t[2]));
+}
 
-  Box(const PatchMesh& mesh, const Corners& t) : low(place(mesh, t[0])), high(low) {
-    take_in(place(mesh, t[1]));
-    take_in(place(mesh, t[2]));
-  }
-  void take_in(const Vec3& p) {
-    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-  }
-  bool meets(const Box& other) const {
-    return low.x <= other.high.x && other.low.x <= high.x && low.y <= other.high.y &&
-           other.low.y <= high.y && low.z <= other.high.z && other.low.z <= high.z;
-  }
-  /// The cells that it meets. Positions are not negative.
-  CellRange cells() const {
-    const auto cell = [](float x) { return static_cast<std::uint32_t>(kInverseSide * x); };
-    return {{cell(low.x), cell(low.y), cell(low.z)}, {cell(high.x), cell(high.y), cell(high.z)}};
-  }
-};
+std::uint32_t Clearance::slot_of(std::uint32_t x, std::uint32_t y, std::uint32_t z) const {
+  return (x * 73856093u ^ y * 19349663u ^ z * 83492791u) &
+         static_cast<std::uint32_t>(head_.size() - 1);
+}
 
-struct Clearance::Candidate {
-  Corners corners;
-  Box box;
-};
+/// Positions are not negative.
+std::uint32_t Clearance::cell_of(float x) const {
+  return static_cast<std::uint32_t>(inverse_side_ * std::max(x, 0.0f));
+}
 
-/// visit(slot) for the slots of the cells.
-template <class Visit>
-void Clearance::for_each_slot(const CellRange& cells, const Visit& visit) const {
-  const auto mask = static_cast<std::uint32_t>(head_.size() - 1);
-  for (std::uint32_t z = cells.low[2]; z <= cells.high[2]; ++z)
-    for (std::uint32_t y = cells.low[1]; y <= cells.high[1]; ++y)
-      for (std::uint32_t x = cells.low[0]; x <= cells.high[0]; ++x)
-        visit((x * 73856093u ^ y * 19349663u ^ z * 83492791u) & mask);
+/// Takes up the triangles of the half-edges h, the first of each, for which wanted(h) says so.
+template <class Wanted>
+void Clearance::take_up_all(const PatchMesh& mesh, const Wanted& wanted) {
+  std::vector<std::uint32_t> chosen;
+  float sum = 0;
+  for (std::uint32_t h = 0; h < mesh.half_edge_end(); h += 4) {
+    if (!mesh.is_edge(h) || !wanted(h)) continue;
+    chosen.push_back(h);
+    sum += Box(mesh, corners_of(mesh, h / 4)).half_side();
+  }
+  if (sum > 0) inverse_side_ = static_cast<float>(chosen.size()) / (kSide * sum);
+  head_.assign(std::bit_ceil(chosen.size() + 1), PatchMesh::kNone);
+  entries_.reserve(chosen.size());
+  faces_.resize(mesh.half_edge_end() / 4);
+  for (const std::uint32_t h : chosen) take_up(mesh, h);
 }
 
 Clearance::Clearance(const PatchMesh& mesh) {
-  const std::size_t faces = mesh.half_edge_end() / 4;
-  head_.assign(std::bit_ceil(2 * faces + 1), PatchMesh::kNone);
-  entries_.reserve(8 * faces);
-  for (std::uint32_t h = 0; h < mesh.half_edge_end(); h += 4)
-    if (mesh.is_edge(h)) take_up(mesh, h);
+  take_up_all(mesh, [](std::uint32_t) { return true; });
 }
 
-Clearance::~Clearance() = default;
-Clearance::Clearance(Clearance&&) noexcept = default;
-Clearance& Clearance::operator=(Clearance&&) noexcept = default;
+Clearance::Clearance(const PatchMesh& mesh, std::span<const std::uint8_t> wanted) {
+  take_up_all(mesh, [&](std::uint32_t h) {
+    return wanted[mesh.origin(h)] || wanted[mesh.target(h)] || wanted[mesh.apex(h)];
+  });
+}
 
 void Clearance::take_up(const PatchMesh& mesh, std::uint32_t h) {
-  const std::uint32_t face = h / 4;
-  const CellRange cells = Box(mesh, corners_of(mesh, face)).cells();
-  if (face >= taken_.size()) taken_.resize(mesh.half_edge_end() / 4);
-  if (taken_[face].holds(cells)) return;
-  taken_[face] = cells;
-  for_each_slot(cells, [&](std::uint32_t slot) {
-    for (std::uint32_t e = head_[slot]; e != PatchMesh::kNone; e = entries_[e].next)
-      if (entries_[e].face == face) return;
-    entries_.push_back({face, head_[slot]});
-    head_[slot] = static_cast<std::uint32_t>(entries_.size() - 1);
-  });
+  const std::uint32_t index = h / 4;
+  const Box box(mesh, corners_of(mesh, index));
+  if (index >= faces_.size()) faces_.resize(mesh.half_edge_end() / 4);
+  Face& face = faces_[index];
+  face.box = box;
+  reach_ = std::max(reach_, kSlack * box.half_side());
+  const Vec3 middle = box.middle();
+  const std::uint32_t slot = slot_of(cell_of(middle.x), cell_of(middle.y), cell_of(middle.z));
+  if (face.slot == slot) return;
+  face.slot = slot;
+  entries_.push_back({index, head_[slot]});
+  head_[slot] = static_cast<std::uint32_t>(entries_.size() - 1);
+}
+
+/// The triangles of a slot, not seen before, whose boxes meet another.
+void Clearance::collect(const PatchMesh& mesh, std::uint32_t slot, const Box& around) {
+  for (std::uint32_t e = head_[slot]; e != PatchMesh::kNone; e = entries_[e].next) {
+    const std::uint32_t index = entries_[e].face;
+    Face& face = faces_[index];
+    if (face.seen == stamp_ || !face.box.meets(around)) continue;
+    face.seen = stamp_;
+    if (mesh.is_edge(4 * index)) candidates_.push_back({corners_of(mesh, index), face.box});
+  }
 }
 
 /// The triangles of the part, but those of the half-edges `gone`, whose boxes meet another.
 void Clearance::find_candidates(const PatchMesh& mesh, std::span<const std::uint32_t> gone,
                                 const Box& around) {
   candidates_.clear();
-  seen_.resize(mesh.half_edge_end() / 4, 0);
   ++stamp_;
-  for (std::uint32_t h : gone) seen_[h / 4] = stamp_;
-  for_each_slot(around.cells(), [&](std::uint32_t slot) {
-    for (std::uint32_t e = head_[slot]; e != PatchMesh::kNone; e = entries_[e].next) {
-      const std::uint32_t face = entries_[e].face;
-      if (seen_[face] == stamp_ || !mesh.is_edge(4 * face)) continue;
-      seen_[face] = stamp_;
-      const Corners corners = corners_of(mesh, face);
-      if (const Box box(mesh, corners); box.meets(around)) candidates_.push_back({corners, box});
-    }
-  });
+  for (std::uint32_t h : gone)
+    if (h / 4 < faces_.size()) faces_[h / 4].seen = stamp_;
+  const Vec3 reach = {reach_, reach_, reach_}, low = around.low - reach, high = around.high + reach;
+  for (std::uint32_t z = cell_of(low.z); z <= cell_of(high.z); ++z)
+    for (std::uint32_t y = cell_of(low.y); y <= cell_of(high.y); ++y)
+      for (std::uint32_t x = cell_of(low.x); x <= cell_of(high.x); ++x)
+        collect(mesh, slot_of(x, y, z), around);
 }
 
 bool Clearance::is_clear(const PatchMesh& mesh, std::span<const std::uint32_t> gone,

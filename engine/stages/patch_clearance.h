@@ -2,11 +2,12 @@
 
 /// \file
 /// Whether triangles that an operation would make run into others of the part: a hashed grid of
-/// its triangles finds the candidates, exact predicates decide (stages/intersect.h).
+/// its triangles' middles finds the candidates, exact predicates decide (stages/intersect.h).
 ///
 /// Teschner, Heidelberger, Mueller, Pomerantes, Gross: Optimized spatial hashing for collision
 /// detection of deformable objects, 2003.
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
@@ -22,17 +23,16 @@ class Clearance {
 
   /// Takes up all triangles of the part.
   explicit Clearance(const PatchMesh& mesh);
-  ~Clearance();
-  Clearance(Clearance&&) noexcept;
-  Clearance& operator=(Clearance&&) noexcept;
+  /// Takes up those with a vertex that is `wanted`, a byte a vertex.
+  Clearance(const PatchMesh& mesh, std::span<const std::uint8_t> wanted);
 
   /// Whether the triangles `made` meet neither each other nor any triangle of the part but those of
   /// the half-edges `gone`, beyond the vertices and edges that they share.
   bool is_clear(const PatchMesh& mesh, std::span<const std::uint32_t> gone,
                 std::span<const Corners> made);
 
-  /// Takes up the triangle of the half-edge h as it is now. Places where it was before stay in the
-  /// grid, which costs time alone.
+  /// Takes up the triangle of the half-edge h as it is now, after any change of it. The cell where
+  /// it was before keeps it too, which costs time alone.
   void take_up(const PatchMesh& mesh, std::uint32_t h);
 
   /// Turns the edge of h unless its new triangles would then meet others. \return whether it did.
@@ -43,35 +43,56 @@ class Clearance {
   bool move_if_clear(PatchMesh& mesh, std::uint32_t v, const SurfacePoint& point);
 
  private:
+  template <class Wanted>
+  void take_up_all(const PatchMesh& mesh, const Wanted& wanted);
+  struct Box {
+    Vec3 low, high;
+
+    Box() = default;
+    Box(const PatchMesh& mesh, const Corners& triangle);
+    void take_in(const Vec3& p) {
+      low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+      high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+    }
+    bool meets(const Box& other) const {
+      return low.x <= other.high.x && other.low.x <= high.x && low.y <= other.high.y &&
+             other.low.y <= high.y && low.z <= other.high.z && other.low.z <= high.z;
+    }
+    Vec3 middle() const { return 0.5f * (low + high); }
+    /// Half of its longest side.
+    float half_side() const {
+      const Vec3 sides = high - low;
+      return 0.5f * std::max({sides.x, sides.y, sides.z});
+    }
+  };
   struct Entry {
     std::uint32_t face, next;
   };
-  /// Cells of the grid, the last ones included; none to begin with.
-  struct CellRange {
-    std::array<std::uint32_t, 3> low{1, 1, 1}, high{};
-
-    bool holds(const CellRange& other) const {
-      bool all = true;
-      for (std::size_t a = 0; a < 3; ++a)
-        all = all && low[a] <= other.low[a] && other.high[a] <= high[a];
-      return all;
-    }
+  /// A triangle of the part (first half-edge / 4), as it was taken up.
+  struct Face {
+    Box box;
+    std::uint32_t slot = PatchMesh::kNone;  ///< where it was entered last
+    std::uint32_t seen = 0;                 ///< the stamp of its last visit
   };
-  struct Box;
-  struct Candidate;
+  struct Candidate {
+    Corners corners;
+    Box box;
+  };
 
-  template <class Visit>
-  void for_each_slot(const CellRange& cells, const Visit& visit) const;
+  std::uint32_t slot_of(std::uint32_t x, std::uint32_t y, std::uint32_t z) const;
+  std::uint32_t cell_of(float x) const;
   void find_candidates(const PatchMesh& mesh, std::span<const std::uint32_t> gone,
                        const Box& around);
+  void collect(const PatchMesh& mesh, std::uint32_t slot, const Box& around);
 
-  std::vector<std::uint32_t> head_;  // a slot of the table: its first entry or kNone
+  float inverse_side_ = 1;           ///< of a cell, in voxel lengths
+  float reach_ = 0;                  ///< no box taken up has a longer half side
+  std::vector<std::uint32_t> head_;  ///< a slot of the table: its first entry or kNone
   std::vector<Entry> entries_;
-  std::vector<CellRange> taken_;     // a face (first half-edge / 4): the cells that it is in
-  std::vector<std::uint32_t> seen_;  // a face: the stamp of its last visit
+  std::vector<Face> faces_;
   std::uint32_t stamp_ = 0;
   std::vector<Candidate> candidates_;
-  std::vector<std::uint32_t> fan_;  // of the vertex that is moved: half-edges, triangles
+  std::vector<std::uint32_t> fan_;  ///< of the vertex that is moved: half-edges, triangles
   std::vector<Corners> fan_corners_;
 };
 

@@ -10,19 +10,20 @@ namespace {
 /// Whether the triangles and edges that `kept` gets when `gone` is merged into it keep the rules.
 bool leaves_good_triangles(const PatchMesh& mesh, std::uint32_t gone, std::uint32_t kept,
                            float longest) {
-  const SurfacePoint& point = mesh.points[kept];
-  const float limit = std::min(kSine10, facing_fan_quality(mesh, gone));
-  bool good = true;
-  mesh.for_each_out(gone, [&](std::uint32_t h) {
+  const SurfacePoint &point = mesh.points[kept], &old = mesh.points[gone];
+  const auto is_good_edge = [&](const SurfacePoint& to) {
+    return relative_length(point, to) <= longest * longest && edge_follows(point, to);
+  };
+  std::uint32_t last = kept;  // the last corner of a triangle that stays, whose edge is good
+  return mesh.all_out(gone, [&](std::uint32_t h) {
     const std::uint32_t b = mesh.target(h), c = mesh.apex(h);
-    if (!good || b == kept || c == kept) return;
-    const SurfacePoint& p = mesh.points[b];
-    const SurfacePoint& q = mesh.points[c];
-    good = relative_length(point, p) <= longest * longest &&
-           relative_length(point, q) <= longest * longest && edge_follows(point, p) &&
-           edge_follows(point, q) && may_replace(mesh.points[gone], point, p, q, limit);
+    if (b == kept || c == kept) return true;
+    const SurfacePoint &p = mesh.points[b], &q = mesh.points[c];
+    if ((b != last && !is_good_edge(p)) || !is_good_edge(q)) return false;
+    last = c;
+    return triangle_quality(point, p, q) >= kSine10 ||
+           may_replace(old, point, p, q, std::min(kSine10, facing_fan_quality(mesh, gone)));
   });
-  return good;
 }
 
 /// Merges v along its shortest edge that may go. \return whether it did.

@@ -63,6 +63,18 @@ class PatchMesh {
     } while (h != first && h != kNone);
   }
 
+  /// Whether test(h) holds for all of these; none is tested after one for which it does not.
+  template <class Test>
+  bool all_out(std::uint32_t v, const Test& test) const {
+    const std::uint32_t first = edge_[v];
+    std::uint32_t h = first;
+    do {
+      if (!test(h)) return false;
+      h = twin_[previous(h)];
+    } while (h != first && h != kNone);
+    return true;
+  }
+
   /// Triangles round a whole vertex.
   int fan_size(std::uint32_t v) const;
 

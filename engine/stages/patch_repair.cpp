@@ -1,9 +1,11 @@
 /// Repair of the worst triangles.
 
+#include <cmath>
 #include <optional>
 #include <vector>
 
 #include "stages/compass.h"
+#include "stages/fan_moves.h"
 #include "stages/patch_clearance.h"
 #include "stages/patch_passes.h"
 #include "stages/patch_rules.h"
@@ -27,9 +29,42 @@ float quality_of(const PatchMesh& mesh, std::uint32_t h) {
                           mesh.points[mesh.apex(h)], kLeastFacingInRepair);
 }
 
+/// The quality of a triangle with corners a, b, c, its least cosine with their normals being
+/// `facing` over the length of `normal` (triangle_quality()).
+float quality_from(float ab, float bc, float ca, float area, float facing) {
+  const float longest_two = most(most(ab * bc, bc * ca), ca * ab);
+  const float sine = longest_two > 0 ? area / longest_two : 0.0f;
+  const float turned = area > 0 ? facing / std::sqrt(area) - 1 : -2.0f;
+  const bool faces =
+      (facing > 0) & (facing * facing >= kLeastFacingInRepair * kLeastFacingInRepair * area);
+  return faces ? sine : turned;
+}
+
+/// fan_quality() in repairs with a vertex of that normal in each of the places.
+CompassValues fan_qualities(const Ring& ring, const Vec3& normal, const CompassPlaces& places) {
+  const CompassPlaces at = places;
+  const Vec3 own = normal;
+  CompassValues worst;
+  worst.fill(1);
+  for (std::size_t i = 0; i < ring.triangles(); ++i) {
+    const SurfacePoint b = ring[i], c = ring[i + 1];
+    const Vec3 bc = c.position - b.position;
+    const float squared_bc = squared_norm(bc);
+    for (std::size_t k = 0; k < kCompass.size(); ++k) {
+      const Vec3 a = at[k], ab = b.position - a, ca = a - c.position, n = cross(ab, bc);
+      const float facing = least(least(dot(n, own), dot(n, b.normal)), dot(n, c.normal));
+      worst[k] = least(worst[k], quality_from(squared_norm(ab), squared_bc, squared_norm(ca),
+                                              squared_norm(n), facing));
+    }
+  }
+  return worst;
+}
+
 class Repair {
  public:
-  Repair(PatchMesh& mesh, const RemeshGoal& goal) : mesh_(mesh), goal_(goal), clearance_(mesh) {}
+  /// \param fresh  a byte a triangle: set where one changes.
+  Repair(PatchMesh& mesh, const RemeshGoal& goal, std::vector<std::uint8_t>& fresh)
+      : mesh_(mesh), goal_(goal), fresh_(fresh), clearance_(mesh) {}
 
   /// One try at a triangle: its longest edge turned, its shortest away, its corners moved.
   void repair_triangle(std::uint32_t first) {
@@ -64,14 +99,16 @@ class Repair {
   bool try_flip(std::uint32_t h);
   bool try_collapse(std::uint32_t h);
   bool try_move(std::uint32_t v);
+  bool move(std::uint32_t v, const SurfacePoint& point);
   float merged_quality(std::uint32_t gone, std::uint32_t kept) const;
   void take_fan(std::uint32_t v, std::uint32_t point);
 
   PatchMesh& mesh_;
   const RemeshGoal& goal_;
+  std::vector<std::uint8_t>& fresh_;
   Clearance clearance_;
   int relaxations_ = 0;
-  std::vector<std::uint32_t> gone_;
+  std::vector<std::uint32_t> gone_, ring_;
   std::vector<Clearance::Corners> made_;
 };
 
@@ -84,7 +121,9 @@ bool Repair::try_flip(std::uint32_t h) {
   const float after = std::min(quality(mesh_.points[d], mesh_.points[c], mesh_.points[p]),
                                quality(mesh_.points[c], mesh_.points[d], mesh_.points[q]));
   if (!(after > kGain * before) || !(after > before)) return false;
-  return clearance_.flip_if_clear(mesh_, h);
+  if (!clearance_.flip_if_clear(mesh_, h)) return false;
+  fresh_[h / 4] = fresh_[t / 4] = 1;
+  return true;
 }
 
 /// The least quality of the fan of `gone` once merged into `kept`; -2 where a triangle turns away.
@@ -124,41 +163,55 @@ bool Repair::try_collapse(std::uint32_t h) {
     take_fan(gone, kept);
     if (!clearance_.is_clear(mesh_, gone_, made_)) continue;
     mesh_.collapse(h, gone, kept);
-    for (std::uint32_t g : gone_)
+    for (std::uint32_t g : gone_) {
+      fresh_[g / 4] = 1;
       if (mesh_.is_edge(g)) clearance_.take_up(mesh_, g);
+    }
     return true;
   }
   return false;
 }
 
+bool Repair::move(std::uint32_t v, const SurfacePoint& point) {
+  if (!clearance_.move_if_clear(mesh_, v, point)) return false;
+  mesh_.for_each_out(v, [&](std::uint32_t h) { fresh_[h / 4] = 1; });
+  return true;
+}
+
 /// Compass search for the place of v with the best fan.
 bool Repair::try_move(std::uint32_t v) {
   if (!mesh_.is_inner(v)) return false;
+  ring_.clear();
+  mesh_.for_each_out(v, [&](std::uint32_t h) { ring_.push_back(mesh_.target(h)); });
+  ring_.push_back(ring_.front());
+  const Ring ring = {mesh_.points.data(), ring_};
   const SurfacePoint old = mesh_.points[v];
   SurfacePoint place = old;
-  const float before = fan_of(v, old);
+  const float before = fan_quality(ring, old, kLeastFacingInRepair);
   float best = before;
   for (float step = 0.2f; step > 0.02f;) {
     const SurfacePoint from = place;
-    const auto [u, w] = tangents(from.normal);
-    const auto consider = [&](const Vec3& direction) {
+    const auto consider = [&](const Vec3& position) {
       SurfacePoint point = from;
-      point.position = from.position + (step * from.size) * direction;
-      if (!(fan_of(v, point) > best)) return;
+      point.position = position;
       if (from.on_field && !put_onto_surface(goal_, kReach, point)) return;
-      const float found = fan_of(v, point);
-      if (!(found > best + 1e-4f) || !may_move(mesh_, v, point, 0, kLeastFacingInRepair)) return;
+      const float found = fan_quality(ring, point, kLeastFacingInRepair);
+      if (!(found > best + 1e-4f) || !may_move(old, ring, point, 0, kLeastFacingInRepair)) return;
       best = found;
       place = point;
     };
-    for (const auto& [cosine, sine] : kCompass) consider(cosine * u + sine * w);
+    const CompassPlaces places =
+        compass_round(from.position, step * from.size, tangents(from.normal));
+    const CompassValues qualities = fan_qualities(ring, from.normal, places);
+    for (std::size_t k = 0; k < kCompass.size(); ++k)
+      if (qualities[k] > best) consider(places[k]);
     if (!from.on_field) {
-      consider(0.5f * from.normal);
-      consider(-0.5f * from.normal);
+      consider(from.position + (step * from.size) * (0.5f * from.normal));
+      consider(from.position + (step * from.size) * (-0.5f * from.normal));
     }
     if (place.position == from.position) step *= 0.5f;
   }
-  return best > before && clearance_.move_if_clear(mesh_, v, place);
+  return best > before && move(v, place);
 }
 
 /// Whole inner vertices within two edges of the triangles that are worse than `wanted`.
@@ -214,6 +267,7 @@ void Repair::relax(float wanted) {
     point.drift += norm(point.position - start[i]);
     point.on_field = false;
     point.normal = fan_normal(mesh_, vertices[i]);
+    mesh_.for_each_out(vertices[i], [&](std::uint32_t h) { fresh_[h / 4] = 1; });
   }
 }
 
@@ -221,16 +275,21 @@ void Repair::relax(float wanted) {
 
 std::uint32_t repair(PatchMesh& mesh, const RemeshGoal& goal, float wanted, int passes) {
   constexpr int kPassesBetween = 4;  // relaxations
+  // A byte a triangle: whether it has changed since it was found good, or is not.
+  std::vector<std::uint8_t> fresh(mesh.half_edge_end() / 4, 1);
   std::optional<Repair> work;
   for (int pass = 0;; ++pass) {
     std::uint32_t left = 0;
     float worst = 1;
     for (std::uint32_t t = 0; t < mesh.half_edge_end(); t += 4) {
-      if (!mesh.is_edge(t) || quality_of(mesh, t) >= wanted) continue;
+      if (!fresh[t / 4]) continue;
+      const float quality = mesh.is_edge(t) ? quality_of(mesh, t) : 1.0f;
+      fresh[t / 4] = quality < wanted;
+      if (quality >= wanted) continue;
       ++left;
-      worst = std::min(worst, quality_of(mesh, t));
+      worst = std::min(worst, quality);
       if (pass == passes) continue;
-      if (!work) work.emplace(mesh, goal);
+      if (!work) work.emplace(mesh, goal, fresh);
       work->repair_triangle(t);
     }
     if (left == 0 || pass == passes) return left;

@@ -97,17 +97,6 @@ inline Vec3 fan_normal(const PatchMesh& mesh, std::uint32_t v) {
   return normalised(sum);
 }
 
-/// The least quality of the triangles round a whole vertex with `point` in its place.
-inline float fan_quality(const PatchMesh& mesh, std::uint32_t v, const SurfacePoint& point,
-                         float least_facing = kLeastFacing) {
-  float least = 1;
-  mesh.for_each_out(v, [&](std::uint32_t h) {
-    least = std::min(least, triangle_quality(point, mesh.points[mesh.target(h)],
-                                             mesh.points[mesh.apex(h)], least_facing));
-  });
-  return least;
-}
-
 /// The triangles round a whole vertex: visit(b, c) with their other corners. Rings (fan_moves.h)
 /// are fans too.
 struct VertexFan {
@@ -122,6 +111,16 @@ struct VertexFan {
   }
 };
 
+/// The least quality of the triangles of a fan with `point` in the middle.
+template <class Fan>
+float fan_quality(const Fan& fan, const SurfacePoint& point, float least_facing = kLeastFacing) {
+  float least = 1;
+  fan.for_each_triangle([&](const SurfacePoint& b, const SurfacePoint& c) {
+    least = std::min(least, triangle_quality(point, b, c, least_facing));
+  });
+  return least;
+}
+
 /// The least quality of the triangles round p that face as the surface does.
 template <class Fan>
 float facing_quality(const SurfacePoint& p, const Fan& fan) {
@@ -131,6 +130,11 @@ float facing_quality(const SurfacePoint& p, const Fan& fan) {
     if (quality >= 0) least = std::min(least, quality);
   });
   return least;
+}
+
+inline float fan_quality(const PatchMesh& mesh, std::uint32_t v, const SurfacePoint& point,
+                         float least_facing = kLeastFacing) {
+  return fan_quality(VertexFan{mesh, v}, point, least_facing);
 }
 
 inline float facing_fan_quality(const PatchMesh& mesh, std::uint32_t v) {

@@ -6,6 +6,8 @@
 
 #include "stages/fan_moves.h"
 #include "stages/patch_blocks.h"
+#include "stages/patch_clearance.h"
+#include "stages/patch_crowding.h"
 #include "stages/patch_rules.h"
 
 namespace vasamesh {
@@ -54,20 +56,25 @@ void smooth_off_field(PatchMesh& mesh, const RemeshGoal& goal) {
   }
 }
 
-/// Where no triangles come to meet.
-void equalise_off_field(PatchMesh& mesh, const RemeshGoal& goal, int passes) {
-  const std::vector<std::uint32_t> vertices = vertices_off_field(mesh, true);
-  if (vertices.empty()) return;
-  Clearance clearance(mesh);
+/// Across the vertices' normals, where no triangles come to meet.
+void equalise_carefully(PatchMesh& mesh, const RemeshGoal& goal,
+                        std::span<const std::uint32_t> vertices, int passes, Clearance& clearance) {
   std::vector<std::uint32_t> ring;
   SurfacePoint moved;
   for (int pass = 0; pass < passes; ++pass)
     for (std::uint32_t v : vertices) {
       ring.clear();
       add_ring(mesh, v, ring);
-      if (find_more_equal(goal, {mesh.points.data(), ring}, mesh.points[v], moved))
+      if (find_more_equal(goal, {mesh.points.data(), ring}, mesh.points[v], false, moved))
         clearance.move_if_clear(mesh, v, moved);
     }
+}
+
+void equalise_off_field(PatchMesh& mesh, const RemeshGoal& goal, int passes) {
+  const std::vector<std::uint32_t> vertices = vertices_off_field(mesh, true);
+  if (vertices.empty()) return;
+  Clearance clearance(mesh);
+  equalise_carefully(mesh, goal, vertices, passes, clearance);
 }
 
 // Of moves along normals: voxel lengths that are worth one, and the most, of the size.
@@ -81,24 +88,31 @@ void take_normals(PatchMesh& mesh, const FieldView& field) {
       take_normal(field, mesh.points[v]);
 }
 
-void move_along_normal(PatchMesh& mesh, std::uint32_t v, float move, Clearance& clearance) {
-  SurfacePoint point = mesh.points[v];
-  const float most = kMostMove * point.size;
+/// Whether v may go along its normal; `moved` is that place.
+bool find_fit(const PatchMesh& mesh, std::uint32_t v, float move, SurfacePoint& moved) {
+  moved = mesh.points[v];
+  const float most = kMostMove * moved.size;
   move = std::clamp(move, -most, most);
-  if (!(move * move >= kLeastMove * kLeastMove)) return;
-  point.position = point.position + move * point.normal;
-  if (may_move(mesh, v, point, std::min(kSine25, facing_fan_quality(mesh, v))))
-    clearance.move_if_clear(mesh, v, point);
+  if (!(move * move >= kLeastMove * kLeastMove)) return false;
+  moved.position = moved.position + move * moved.normal;
+  return may_move(mesh, v, moved, std::min(kSine25, facing_fan_quality(mesh, v)));
 }
 
 PlaceView places_of(const RemeshGoal& goal) {
   return goal.places ? goal.places->view() : PlaceView{};
 }
 
+bool is_inner_on_field(const PatchMesh& mesh, std::uint32_t v) {
+  return mesh.points[v].on_field && mesh.is_inner(v);
+}
+
 }  // namespace
 
 void Relaxer::smooth(std::span<PatchMesh* const> parts, int passes) {
-  if (load(parts, false)) {
+  const Chosen chosen = [&](std::size_t p, std::uint32_t v) {
+    return parts[p]->points[v].on_field && parts[p]->is_whole(v);
+  };
+  if (load(parts, chosen)) {
     backend_.relax_smooth(goal_.field, goal_.sizes, places_of(goal_), view(), passes,
                           points_.view());
     take_points(parts);
@@ -107,52 +121,100 @@ void Relaxer::smooth(std::span<PatchMesh* const> parts, int passes) {
 }
 
 void Relaxer::equalise(std::span<PatchMesh* const> parts, int passes) {
-  if (load(parts, true)) {
-    backend_.relax_equalise(goal_.field, goal_.sizes, places_of(goal_), view(), passes,
+  const Chosen chosen = [&](std::size_t p, std::uint32_t v) {
+    return is_inner_on_field(*parts[p], v);
+  };
+  if (load(parts, chosen)) {
+    backend_.relax_equalise(goal_.field, goal_.sizes, places_of(goal_), view(), passes, true,
                             points_.view());
     take_points(parts);
   }
   for_each_part(backend_, parts, [&](PatchMesh& part) { equalise_off_field(part, goal_, passes); });
 }
 
+struct Relaxer::Crowd {
+  std::vector<std::uint8_t> held;  ///< a byte a vertex
+  std::vector<std::uint32_t> vertices;
+  std::optional<Clearance> clearance;
+
+  explicit Crowd(const PatchMesh& part) : held(crowded_vertices(part)) {
+    for (std::uint32_t v = 0; v < part.vertex_count(); ++v)
+      if (held[v] && part.is_there(v) && part.is_inner(v)) vertices.push_back(v);
+    if (!vertices.empty()) clearance.emplace(part, held);
+  }
+};
+
 /// All gaps first, then all moves.
 void Relaxer::fit(std::span<PatchMesh* const> parts, int passes) {
-  for_each_part(backend_, parts, [&](PatchMesh& part) { take_normals(part, goal_.field); });
-  std::vector<std::optional<Clearance>> clearances(parts.size());
-  const bool any = load(parts, true);
-  for (int pass = 0; pass < passes && any; ++pass) {
-    if (pass > 0) load_points(parts);
-    gaps_.resize(backend_, vertex_.size());
-    backend_.relax_gaps(goal_.field, view(), std::as_const(points_).view(), gaps_.view());
-    backend_.on_host(std::as_const(gaps_).view());
-    backend_.run(parts.size(), [&](std::size_t p) {
-      if (start_.fan[p] == start_.fan[p + 1]) return;
-      if (!clearances[p]) clearances[p].emplace(*parts[p]);
-      move_by_gaps(*parts[p], p, *clearances[p]);
-    });
+  std::vector<std::optional<Crowd>> crowds(parts.size());
+  backend_.run(parts.size(), [&](std::size_t p) {
+    take_normals(*parts[p], goal_.field);
+    crowds[p].emplace(*parts[p]);
+  });
+  const Chosen chosen = [&](std::size_t p, std::uint32_t v) {
+    return !crowds[p]->held[v] && is_inner_on_field(*parts[p], v);
+  };
+  const bool any = load(parts, chosen);
+  if (any) find_gaps();
+  backend_.run(parts.size(), [&](std::size_t p) {
+    fit_part(*parts[p], gaps_of(*parts[p], p, *crowds[p]), *crowds[p]);
+  });
+  if (any) {
+    load_points(parts);
+    backend_.relax_equalise(goal_.field, goal_.sizes, places_of(goal_), view(), passes, false,
+                            points_.view());
+    take_points(parts);
   }
-  for_each_part(backend_, parts, [](PatchMesh& part) {
+  backend_.run(parts.size(), [&](std::size_t p) {
+    PatchMesh& part = *parts[p];
+    Crowd& crowd = *crowds[p];
+    if (crowd.clearance) equalise_carefully(part, goal_, crowd.vertices, passes, *crowd.clearance);
     for (std::uint32_t v = 0; v < part.vertex_count(); ++v)
       if (part.is_there(v) && part.is_inner(v)) part.points[v].on_field = false;
   });
 }
 
-/// In the order of the vertices' numbers.
-void Relaxer::move_by_gaps(PatchMesh& part, std::size_t p, Clearance& clearance) {
+void Relaxer::find_gaps() {
+  gaps_.resize(backend_, vertex_.size());
+  backend_.relax_gaps(goal_.field, view(), std::as_const(points_).view(), gaps_.view());
+  backend_.on_host(std::as_const(gaps_).view());
+}
+
+/// The gaps at the vertices of a part that are to be moved, by the backend or the host; 0
+/// elsewhere.
+std::vector<float> Relaxer::gaps_of(const PatchMesh& part, std::size_t p,
+                                    const Crowd& crowd) const {
   std::vector<float> gaps(part.vertex_count(), 0.0f);
   for (std::size_t f = start_.fan[p]; f < start_.fan[p + 1]; ++f)
     gaps[vertex_.view()[f] - start_.point[p]] = gaps_.view()[f];
-  for (std::uint32_t v = 0; v < part.vertex_count(); ++v)
-    move_along_normal(part, v, gaps[v], clearance);
+  std::vector<std::uint32_t> ring;
+  for (const std::uint32_t v : crowd.vertices) {
+    if (!part.points[v].on_field) continue;
+    ring.clear();
+    add_ring(part, v, ring);
+    gaps[v] = mean_gap(goal_.field, {part.points.data(), ring}, part.points[v]);
+  }
+  return gaps;
+}
+
+/// In the order of the vertices' numbers.
+void Relaxer::fit_part(PatchMesh& part, const std::vector<float>& gaps, Crowd& crowd) {
+  SurfacePoint moved;
+  for (std::uint32_t v = 0; v < part.vertex_count(); ++v) {
+    if (gaps[v] == 0 || !find_fit(part, v, gaps[v], moved)) continue;
+    if (crowd.held[v])
+      crowd.clearance->move_if_clear(part, v, moved);
+    else
+      part.points[v] = moved;
+  }
 }
 
 /// A vertex's level is one above those of its neighbours that come before it.
-Relaxer::Fans Relaxer::fans_of(const PatchMesh& part, bool inner_only) {
+Relaxer::Fans Relaxer::fans_of(const PatchMesh& part, std::size_t p, const Chosen& chosen) {
   std::vector<std::uint32_t> vertex, level, ring_first{0}, ring;
   std::vector<std::uint32_t> level_at(part.vertex_count(), 0), size;
   for (std::uint32_t v = 0; v < part.vertex_count(); ++v) {
-    if (!part.is_there(v) || !part.points[v].on_field) continue;
-    if (!(inner_only ? part.is_inner(v) : part.is_whole(v))) continue;
+    if (!part.is_there(v) || !chosen(p, v)) continue;
     add_ring(part, v, ring);
     std::uint32_t above = 0;
     for (std::size_t i = ring_first.back(); i < ring.size(); ++i)
@@ -192,9 +254,9 @@ void Relaxer::count(std::span<PatchMesh* const> parts, const std::vector<Fans>& 
   }
 }
 
-bool Relaxer::load(std::span<PatchMesh* const> parts, bool inner_only) {
+bool Relaxer::load(std::span<PatchMesh* const> parts, const Chosen& chosen) {
   std::vector<Fans> fans(parts.size());
-  backend_.run(parts.size(), [&](std::size_t p) { fans[p] = fans_of(*parts[p], inner_only); });
+  backend_.run(parts.size(), [&](std::size_t p) { fans[p] = fans_of(*parts[p], p, chosen); });
   count(parts, fans);
   const std::size_t levels = start_.level.back(), all = start_.fan.back();
   if (all == 0) return false;

@@ -7,11 +7,11 @@
 /// one after the other.
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
 #include "backend/backend.h"
-#include "stages/patch_clearance.h"
 #include "stages/patch_mesh.h"
 #include "stages/patch_passes.h"
 #include "types/fans.h"
@@ -33,8 +33,9 @@ class Relaxer {
 
   /// Moves inner vertices on the surface along their normals until the surface lies, on average
   /// over the triangles round each, as far inside of them as outside: a tube keeps the area of its
-  /// section. Only where no triangle comes to meet another. They are off the field then: passes
-  /// that follow leave them where they are along their normals.
+  /// section. Then `passes` of moves towards equal edges across the normals. Where sheets are near
+  /// each other (patch_crowding.h), only where no triangle comes to meet another. All are off the
+  /// field then: passes that follow leave them where they are along their normals.
   void fit(std::span<PatchMesh* const> parts, int passes);
 
  private:
@@ -42,19 +43,26 @@ class Relaxer {
   struct Fans {
     std::vector<std::uint32_t> vertex, level_first, ring_first, ring;
   };
+  /// The vertices of one part that only the host moves, each with a look at what is near.
+  struct Crowd;
   /// Where each part's entries start in the flat arrays.
   struct Starts {
     std::vector<std::uint32_t> point, level, fan, ring;
   };
 
-  static Fans fans_of(const PatchMesh& part, bool inner_only);
+  /// Whether a vertex of a part is to be moved by a pass.
+  using Chosen = std::function<bool(std::size_t part, std::uint32_t vertex)>;
+
+  static Fans fans_of(const PatchMesh& part, std::size_t p, const Chosen& chosen);
   void count(std::span<PatchMesh* const> parts, const std::vector<Fans>& fans);
   /// \return whether there is anything for a pass.
-  bool load(std::span<PatchMesh* const> parts, bool inner_only);
+  bool load(std::span<PatchMesh* const> parts, const Chosen& chosen);
   void load_fans(const Fans& fans, std::size_t p);
   void load_points(std::span<PatchMesh* const> parts);
   void take_points(std::span<PatchMesh* const> parts);
-  void move_by_gaps(PatchMesh& part, std::size_t p, Clearance& clearance);
+  void find_gaps();
+  std::vector<float> gaps_of(const PatchMesh& part, std::size_t p, const Crowd& crowd) const;
+  static void fit_part(PatchMesh& part, const std::vector<float>& gaps, Crowd& crowd);
   FanView view() const;
 
   Backend& backend_;

@@ -49,6 +49,9 @@ struct SplineWeights {
   float slope[3];
 };
 
+/// Four floats in a register: a function's value and its derivatives along x, y and z.
+using ValueAndGradient = float __attribute__((vector_size(16)));
+
 inline FieldSample sample_field(const FieldView& field, const Vec3& p) {
   const float at[3] = {p.x * field.inverse_step[0], p.y * field.inverse_step[1],
                        p.z * field.inverse_step[2]};
@@ -73,35 +76,28 @@ inline FieldSample sample_field(const FieldView& field, const Vec3& p) {
         brick[i + 2 * j + 4 * k] = &field.coefficients[std::size_t{kBrickCells} * at_cell];
       }
   const SplineWeights wx(t[0]), wy(t[1]), wz(t[2]);
-  FieldSample sample;
-  sample.known = true;
+  ValueAndGradient sum{};
   for (int k = 0; k < 3; ++k) {
     const int z = node[2] + k - 1;
-    float plane = 0, plane_x = 0, plane_y = 0;
+    ValueAndGradient plane{};
     for (int j = 0; j < 3; ++j) {
       const int y = node[1] + j - 1;
       const int side = 2 * ((y >> 3) - low.y) + 4 * ((z >> 3) - low.z);
       const int row_cell = brick_cell(0, y & 7, z & 7);
-      float row = 0, row_x = 0;
+      ValueAndGradient row{};
       for (int i = 0; i < 3; ++i) {
         const int x = node[0] + i - 1;
         const float c = brick[side + ((x >> 3) - low.x)][row_cell + (x & 7)];
-        row += wx.value[i] * c;
-        row_x += wx.slope[i] * c;
+        row += c * ValueAndGradient{wx.value[i], wx.slope[i], wx.value[i], wx.value[i]};
       }
-      plane += wy.value[j] * row;
-      plane_x += wy.value[j] * row_x;
-      plane_y += wy.slope[j] * row;
+      plane += row * ValueAndGradient{wy.value[j], wy.value[j], wy.slope[j], wy.value[j]};
     }
-    sample.value += wz.value[k] * plane;
-    sample.gradient.x += wz.value[k] * plane_x;
-    sample.gradient.y += wz.value[k] * plane_y;
-    sample.gradient.z += wz.slope[k] * plane;
+    sum += plane * ValueAndGradient{wz.value[k], wz.value[k], wz.value[k], wz.slope[k]};
   }
-  sample.gradient = {sample.gradient.x * field.inverse_step[0],
-                     sample.gradient.y * field.inverse_step[1],
-                     sample.gradient.z * field.inverse_step[2]};
-  return sample;
+  return {sum[0],
+          {sum[1] * field.inverse_step[0], sum[2] * field.inverse_step[1],
+           sum[3] * field.inverse_step[2]},
+          true};
 }
 
 /// Newton steps along the gradient onto the zero set (at most `steps`), none longer than `reach` in

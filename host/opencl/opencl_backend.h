@@ -153,7 +153,8 @@ class OpenClBackend final : public Backend {
   void relax_smooth(const FieldView& field, const SizeView& sizes, const PlaceView& places,
                     const FanView& fans, int passes, View<SurfacePoint> points) override;
   void relax_equalise(const FieldView& field, const SizeView& sizes, const PlaceView& places,
-                      const FanView& fans, int passes, View<SurfacePoint> points) override;
+                      const FanView& fans, int passes, bool onto,
+                      View<SurfacePoint> points) override;
   void relax_gaps(const FieldView& field, const FanView& fans, View<const SurfacePoint> points,
                   View<float> gaps) override;
   void verify_count_pairs(const MeshView& mesh, const TreeView& tree,

@@ -20,9 +20,10 @@ void OpenClBackend::relax_smooth(const FieldView& field, const SizeView& sizes,
 
 void OpenClBackend::relax_equalise(const FieldView& field, const SizeView& sizes,
                                    const PlaceView& places, const FanView& fans, int passes,
-                                   View<SurfacePoint> points) {
+                                   bool onto, View<SurfacePoint> points) {
   launch("relax_equalise", fans.parts(), shape_.brick_items, field, sizes, places, fans.part_level,
-         fans.level_first, fans.vertex, fans.ring_first, fans.ring, cl_int{passes}, points);
+         fans.level_first, fans.vertex, fans.ring_first, fans.ring, cl_int{passes}, cl_int{onto},
+         points);
 }
 
 void OpenClBackend::relax_gaps(const FieldView& field, const FanView& fans,

@@ -46,7 +46,7 @@ void TbbBackend::relax_smooth(const FieldView& field, const SizeView& sizes,
 }
 
 void TbbBackend::relax_equalise(const FieldView& field, const SizeView& sizes,
-                                const PlaceView& places, const FanView& fans, int passes,
+                                const PlaceView& places, const FanView& fans, int passes, bool onto,
                                 View<SurfacePoint> points) {
   const Places careful(places);
   const RemeshGoal goal = {field, sizes, &careful};
@@ -59,7 +59,7 @@ void TbbBackend::relax_equalise(const FieldView& field, const SizeView& sizes,
       const Ring ring = ring_of(fans, points.data(), fan);
       ++visit;
       if (rest.is_at_rest(fan, v, ring)) return;
-      const bool moves = find_more_equal(goal, ring, points[v], moved);
+      const bool moves = find_more_equal(goal, ring, points[v], onto, moved);
       rest.note(fan, v, moves, visit);
       if (moves) points[v] = moved;
     });

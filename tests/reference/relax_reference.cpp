@@ -65,7 +65,7 @@ float equality(const PatchMesh& mesh, std::uint32_t v, const Vec3& p) {
   return sum;
 }
 
-bool equalise_one(PatchMesh& mesh, const RemeshGoal& goal, std::uint32_t v) {
+bool equalise_one(PatchMesh& mesh, const RemeshGoal& goal, std::uint32_t v, bool onto) {
   const SurfacePoint old = mesh.points[v];
   SurfacePoint moved = old;
   float best = equality(mesh, v, old.position);
@@ -80,7 +80,8 @@ bool equalise_one(PatchMesh& mesh, const RemeshGoal& goal, std::uint32_t v) {
       moved.position = p;
     }
   }
-  if (moved.position == old.position || !put_onto_surface(goal, 0.1f, moved)) return false;
+  if (moved.position == old.position) return false;
+  if (onto && !put_onto_surface(goal, 0.1f, moved)) return false;
   if (!(equality(mesh, v, moved.position) > equality(mesh, v, old.position))) return false;
   if (!may_move(mesh, v, moved, std::min(kSine40, facing_fan_quality(mesh, v)))) return false;
   mesh.points[v] = moved;
@@ -124,12 +125,12 @@ int smooth_one_by_one(PatchMesh& mesh, const RemeshGoal& goal, int passes) {
   return moves;
 }
 
-int equalise_one_by_one(PatchMesh& mesh, const RemeshGoal& goal, int passes) {
+int equalise_one_by_one(PatchMesh& mesh, const RemeshGoal& goal, int passes, bool onto) {
   int moves = 0;
   for (int pass = 0; pass < passes; ++pass)
     for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v)
       if (mesh.is_there(v) && mesh.is_inner(v) && mesh.points[v].on_field)
-        moves += equalise_one(mesh, goal, v);
+        moves += equalise_one(mesh, goal, v, onto);
   return moves;
 }
 

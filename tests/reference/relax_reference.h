@@ -14,8 +14,9 @@ namespace vasamesh::test {
 /// Whole vertices that lie on the field. \return how often one has moved.
 int smooth_one_by_one(PatchMesh& mesh, const RemeshGoal& goal, int passes);
 
-/// Inner vertices that lie on the field. \return how often one has moved.
-int equalise_one_by_one(PatchMesh& mesh, const RemeshGoal& goal, int passes);
+/// Inner vertices that lie on the field, onto the surface or across their normals alone. \return
+/// how often one has moved.
+int equalise_one_by_one(PatchMesh& mesh, const RemeshGoal& goal, int passes, bool onto = true);
 
 /// A vertex: how far the surface lies outside of the triangles round it; 0 where it is not inner or
 /// off the field.

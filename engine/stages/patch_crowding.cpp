@@ -1,0 +1,136 @@
+#include "stages/patch_crowding.h"
+
+#include <algorithm>
+#include <bit>
+
+#include "types/vec3.h"
+
+namespace vasamesh {
+
+namespace {
+
+constexpr std::uint32_t kNone = PatchMesh::kNone;
+constexpr float kNear = 1.2f;   // longest edges
+constexpr float kAlike = 0.5f;  // cosine between the normals of one sheet, or more
+
+float longest_edge(const PatchMesh& mesh, std::uint32_t v) {
+  const Vec3& p = mesh.points[v].position;
+  float longest = 0;
+  mesh.for_each_out(v, [&](std::uint32_t h) {
+    for (const std::uint32_t w : {mesh.target(h), mesh.apex(h)})
+      longest = std::max(longest, squared_norm(mesh.points[w].position - p));
+  });
+  return std::sqrt(longest);
+}
+
+/// The vertices of a part by the cells of a grid.
+class VertexGrid {
+ public:
+  VertexGrid(const PatchMesh& mesh, float side)
+      : mesh_(mesh),
+        inverse_side_(1 / side),
+        head_(std::bit_ceil(std::size_t{mesh.vertex_count()} + 1), kNone),
+        next_(mesh.vertex_count(), kNone) {
+    for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) {
+      if (!mesh.is_there(v)) continue;
+      const Vec3& p = mesh.points[v].position;
+      std::uint32_t& head = head_[slot_of(cell_of(p.x), cell_of(p.y), cell_of(p.z))];
+      next_[v] = head;
+      head = v;
+    }
+  }
+
+  /// visit(w) for all vertices within `reach` of a point, some of them twice.
+  template <class Visit>
+  void for_each_near(const Vec3& p, float reach, const Visit& visit) const {
+    for (std::uint32_t z = cell_of(p.z - reach); z <= cell_of(p.z + reach); ++z)
+      for (std::uint32_t y = cell_of(p.y - reach); y <= cell_of(p.y + reach); ++y)
+        for (std::uint32_t x = cell_of(p.x - reach); x <= cell_of(p.x + reach); ++x)
+          for (std::uint32_t w = head_[slot_of(x, y, z)]; w != kNone; w = next_[w])
+            if (squared_norm(mesh_.points[w].position - p) <= reach * reach) visit(w);
+  }
+
+ private:
+  std::uint32_t cell_of(float x) const {
+    return static_cast<std::uint32_t>(inverse_side_ * std::max(x, 0.0f));
+  }
+  std::size_t slot_of(std::uint32_t x, std::uint32_t y, std::uint32_t z) const {
+    return (x * 73856093u ^ y * 19349663u ^ z * 83492791u) & (head_.size() - 1);
+  }
+
+  const PatchMesh& mesh_;
+  float inverse_side_;
+  std::vector<std::uint32_t> head_, next_;
+};
+
+/// How far to look for others at each whole vertex; 0 at the rest.
+std::vector<float> reaches(const PatchMesh& mesh) {
+  std::vector<float> reach(mesh.vertex_count(), 0.0f);
+  for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v)
+    if (mesh.is_there(v) && mesh.is_whole(v)) reach[v] = kNear * longest_edge(mesh, v);
+  return reach;
+}
+
+float mean_reach(const std::vector<float>& reach) {
+  float sum = 0, count = 0;
+  for (const float r : reach)
+    if (r > 0) sum += r, ++count;
+  return count > 0 ? sum / count : 1.0f;
+}
+
+/// Which vertices are within two edges of one.
+class TwoRings {
+ public:
+  explicit TwoRings(const PatchMesh& mesh) : mesh_(mesh), mark_(mesh.vertex_count(), kNone) {}
+
+  /// \pre v is whole.
+  void centre(std::uint32_t v) {
+    centre_ = v;
+    mesh_.for_each_out(v,
+                       [&](std::uint32_t h) { mark_[mesh_.target(h)] = mark_[mesh_.apex(h)] = v; });
+  }
+
+  /// Whether w is one; false where w is neither whole nor joined to the centre.
+  bool hold(std::uint32_t w) const {
+    const auto is_near = [&](std::uint32_t u) { return u == centre_ || mark_[u] == centre_; };
+    if (is_near(w)) return true;
+    return mesh_.is_whole(w) && !mesh_.all_out(w, [&](std::uint32_t h) {
+      return !is_near(mesh_.target(h)) && !is_near(mesh_.apex(h));
+    });
+  }
+
+ private:
+  const PatchMesh& mesh_;
+  std::vector<std::uint32_t> mark_;
+  std::uint32_t centre_ = kNone;
+};
+
+}  // namespace
+
+std::vector<std::uint8_t> crowded_vertices(const PatchMesh& mesh) {
+  const std::vector<float> reach = reaches(mesh);
+  const VertexGrid grid(mesh, mean_reach(reach));
+  std::vector<std::uint8_t> crowded(mesh.vertex_count(), 0);
+  TwoRings rings(mesh);
+  std::vector<std::uint32_t> others;
+  for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) {
+    const SurfacePoint& p = mesh.points[v];
+    if (reach[v] == 0) continue;
+    others.clear();
+    if (!p.on_field) crowded[v] = 1;
+    grid.for_each_near(p.position, reach[v], [&](std::uint32_t w) {
+      const SurfacePoint& q = mesh.points[w];
+      if (!p.on_field || !q.on_field)
+        crowded[v] = crowded[w] = 1;
+      else if (dot(p.normal, q.normal) < kAlike)
+        others.push_back(w);
+    });
+    if (others.empty()) continue;
+    rings.centre(v);
+    for (const std::uint32_t w : others)
+      if (!rings.hold(w)) crowded[v] = crowded[w] = 1;
+  }
+  return crowded;
+}
+
+}  // namespace vasamesh
