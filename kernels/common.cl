@@ -36,6 +36,23 @@
 #define BRICK_SYNC() barrier(CLK_LOCAL_MEM_FENCE)
 #endif
 
+/// The lowest bit that is set.
+static int lowest_bit(uint bits) { return 31 - (int)clz(bits & -bits); }
+
+/// Bit x where byte x of eight, each 0 or 1, is 1.
+static uint byte_bits(uchar8 bytes) {
+  const ulong eight = upsample(
+      upsample(upsample(bytes.s7, bytes.s6), upsample(bytes.s5, bytes.s4)),
+      upsample(upsample(bytes.s3, bytes.s2), upsample(bytes.s1, bytes.s0)));
+  return (uint)(eight * 0x0102040810204080UL >> 56);
+}
+
+/// Byte x, from the lowest on, is 1 where bit x of eight is set, else 0.
+static ulong bit_bytes(uint bits) {
+  const ulong places = bits * 0x0101010101010101UL & 0x8040201008040201UL;
+  return (places + 0x7f7f7f7f7f7f7f7fUL) >> 7 & 0x0101010101010101UL;
+}
+
 /// The rows with y0 <= y < y1 and z0 <= z < z1 that an item takes when items take whole rows. What
 /// it holds of them is OWN_ROWS values, that of row r at OWN_ROW(r).
 #define OWN_ROWS (BRICK_ROWS / BRICK_ITEMS)

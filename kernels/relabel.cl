@@ -69,7 +69,7 @@ kernel __attribute__((BRICK_GROUP)) void relabel_collect(ulong bricks, VIEW(cons
     for (int row = 0; row < BRICK_ROWS; ++row) {
       if (!relabel_has_colour(row, colour)) continue;
       for (uint bits = relabel_half(rows[row], colour); bits; bits &= bits - 1)
-        nodes[next++] = brick * BRICK_CELLS + 8 * row + (colour & 1) + (31 - clz(bits & -bits));
+        nodes[next++] = brick * BRICK_CELLS + 8 * row + (colour & 1) + lowest_bit(bits);
     }
   }
 }
@@ -211,17 +211,21 @@ static float relabel_solid_field(global const int *near, global const uchar *sta
 
 #define RELABEL_SPAN 24  // nodes of three bricks
 
-/// The marked nodes (bit x + 8) of row (y, z), each -8..15.
-static uint relabel_marks(global const int *near, global const uchar *marks, bool stuck, int y,
-                          int z) {
-  uint bits = 0;
+/// Bit x where byte x of eight marks is `mark`, or, for 0, where it is not 0.
+static uint relabel_bits(uchar8 marks, uchar mark) {
+  const char8 found = mark ? marks == (uchar8)(mark) : marks != (uchar8)(0);
+  return byte_bits(as_uchar8(found) & (uchar8)(1));
+}
+
+/// The marked nodes (bit x + 8) of row (y, z), each -8..15: x all of them, y the stuck ones.
+static uint2 relabel_marks(global const int *near, global const uchar *marked,
+                           global const uchar *marks, int y, int z) {
+  uint2 bits = (uint2)(0);
   for (int bx = -1; bx <= 1; ++bx) {
-    const ulong node = node_at(near, 8 * bx, y, z);
-    if (node == NO_NODE) continue;
-    for (int x = 0; x < 8; ++x) {
-      const uchar mark = marks[node + x];
-      bits |= (uint)(stuck ? mark == LATTICE_STUCK_MARK : mark != 0) << (8 * (bx + 1) + x);
-    }
+    const int brick = near[SELF + bx * STEP_X + STEP_Y * (y >> 3) + STEP_Z * (z >> 3)];
+    if (brick < 0 || !marked[brick]) continue;
+    const uchar8 row = vload8((size_t)brick * BRICK_ROWS + (y & 7) + 8 * (z & 7), marks);
+    bits |= (uint2)(relabel_bits(row, 0), relabel_bits(row, LATTICE_STUCK_MARK)) << 8 * (bx + 1);
   }
   return bits;
 }
@@ -233,15 +237,39 @@ static int relabel_nearest(uint bits, int x) {
   const uint below = bits & ((2u << at) - 1), above = bits >> at;
   int least = 1 << 10;
   if (below) least = at - (31 - (int)clz(below));
-  if (above) least = min(least, 31 - (int)clz(above & -above));
+  if (above) least = min(least, lowest_bit(above));
   return least * least;
+}
+
+/// Whether a row of nodes has marks at most `reach` rows away along y and z.
+static bool relabel_any_near(BRICK_SHARED const uint2 *rows, int reach, int row) {
+  uint any = 0;
+  for (int dz = -reach; dz <= reach; ++dz)
+    for (int dy = -reach; dy <= reach; ++dy)
+      any |= rows[((row & 7) + dy + 8) + RELABEL_SPAN * ((row >> 3) + dz + 8)].x;
+  return any != 0;
+}
+
+/// The squares of a node's distances to the nearest mark and to the nearest stuck one, of those.
+static int2 relabel_nearest_marks(BRICK_SHARED const uint2 *rows, int reach, int x, int row) {
+  int2 least = (int2)(1 << 20);
+  for (int dz = -reach; dz <= reach; ++dz)
+    for (int dy = -reach; dy <= reach; ++dy) {
+      const uint2 marks = rows[((row & 7) + dy + 8) + RELABEL_SPAN * ((row >> 3) + dz + 8)];
+      if (marks.x == 0) continue;
+      const int across = dy * dy + dz * dz;
+      least.x = min(least.x, across + relabel_nearest(marks.x, x));
+      least.y = min(least.y, across + relabel_nearest(marks.y, x));
+    }
+  return least;
 }
 
 kernel __attribute__((BRICK_GROUP)) void lattice_blend(
     float radius, float strength, int smooth, VIEW(const int, neighbours), VIEW(const uchar, marked),
-    VIEW(const uchar, marks), VIEW(const uchar, state), VIEW(float, values)) {
-  BRICK_SHARED uint any_mark[RELABEL_SPAN * RELABEL_SPAN];
-  BRICK_SHARED uint stuck[RELABEL_SPAN * RELABEL_SPAN];
+    VIEW(const uchar, marks), VIEW(const uchar, state), VIEW(float, values),
+    VIEW(uchar, changed)) {
+  BRICK_SHARED uint2 rows[RELABEL_SPAN * RELABEL_SPAN];
+  BRICK_SHARED uint item_within[BRICK_ITEMS];
   TAKE(marked);
   TAKE(marks);
   TAKE(state);
@@ -250,34 +278,35 @@ kernel __attribute__((BRICK_GROUP)) void lattice_blend(
   values += values_first + brick * BRICK_CELLS;
   bool found = false;
   for (int n = 0; n < NEIGHBOURS; ++n) found = found || (near[n] >= 0 && marked[near[n]]);
-  if (!found) return;
-  for (int i = get_local_id(0); i < RELABEL_SPAN * RELABEL_SPAN; i += BRICK_ITEMS) {
-    any_mark[i] = relabel_marks(near, marks, false, i % RELABEL_SPAN - 8, i / RELABEL_SPAN - 8);
-    stuck[i] = any_mark[i] ? relabel_marks(near, marks, true, i % RELABEL_SPAN - 8,
-                                           i / RELABEL_SPAN - 8)
-                           : 0;
+  const int reach = (int)ceil(radius) - 1, side = found ? 8 + 2 * reach : 0;
+  for (int i = get_local_id(0); i < side * side; i += BRICK_ITEMS) {
+    const int y = i % side - reach, z = i / side - reach;
+    rows[(y + 8) + RELABEL_SPAN * (z + 8)] = relabel_marks(near, marked, marks, y, z);
   }
   BRICK_SYNC();
-  const int reach = (int)ceil(radius);
   const float inverse = 1.0f / (radius * radius);
-  for (int cell = get_local_id(0); cell < BRICK_CELLS; cell += BRICK_ITEMS) {
-    const int x = cell & 7, y = cell >> 3 & 7, z = cell >> 6;
-    int least = 1 << 20;
-    bool keep = false;
-    for (int dz = -reach; dz <= reach; ++dz)
-      for (int dy = -reach; dy <= reach; ++dy) {
-        const int row = (y + dy + 8) + RELABEL_SPAN * (z + dz + 8), across = dy * dy + dz * dz;
-        if (any_mark[row] == 0) continue;
-        least = min(least, across + relabel_nearest(any_mark[row], x));
-        keep = keep || (float)(across + relabel_nearest(stuck[row], x)) < radius * radius;
-      }
-    const float rest = 1.0f - (float)least * inverse;
-    if (rest <= 0) continue;
-    const float blend = strength * (rest * rest);
-    const bool solid = (state[brick * BRICK_CELLS + cell] & LATTICE_SOLID) != 0;
-    values[cell] = (1.0f - blend) * values[cell] +
-                   blend * relabel_solid_field(near, state, solid, x, y, z, smooth, keep);
+  uint within = 0;
+  for (int row = get_local_id(0); found && row < BRICK_ROWS; row += BRICK_ITEMS) {
+    if (!relabel_any_near(rows, reach, row)) continue;
+    for (int x = 0; x < 8; ++x) {
+      const int2 least = relabel_nearest_marks(rows, reach, x, row);
+      const float rest = 1.0f - (float)least.x * inverse;
+      if (rest <= 0) continue;
+      within = 1;
+      const bool keep = (float)least.y < radius * radius;
+      const float blend = strength * (rest * rest);
+      const int cell = 8 * row + x;
+      const bool solid = (state[brick * BRICK_CELLS + cell] & LATTICE_SOLID) != 0;
+      values[cell] = (1.0f - blend) * values[cell] +
+                     blend * relabel_solid_field(near, state, solid, x, row & 7, row >> 3, smooth,
+                                                 keep);
+    }
   }
+  item_within[get_local_id(0)] = within;
+  BRICK_SYNC();
+  if (get_local_id(0) != 0) return;
+  for (int i = 1; i < BRICK_ITEMS; ++i) within |= item_within[i];
+  changed[changed_first + brick] = within;
 }
 
 /// counts[brick]: of the free nodes that got a value of their label's sign.

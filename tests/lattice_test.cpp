@@ -324,9 +324,11 @@ TEST_P(CellLattice, BlendChangesNothingBeyondItsRadius) {
     ASSERT_GE(places.size(), 4u);
     const auto marks = to_backend(backend(), marked);
     const auto before = to_host(backend(), lattice.values.view());
+    Buffer<std::uint8_t> changed(backend(), lattice.bricks.count);
     backend().lattice_blend(lattice.bricks.view(), marks.view(), radius, 1, true,
-                            lattice.state.view(), lattice.values.view());
+                            lattice.state.view(), lattice.values.view(), changed.view());
     backend().settle();
+    std::vector<std::uint8_t> reached(lattice.bricks.count, 0);
     visit_nodes(lattice.bricks.view(), [&](std::size_t node, int x, int y, int z) {
       double nearest = 1e9;
       for (const auto& p : places)
@@ -335,6 +337,7 @@ TEST_P(CellLattice, BlendChangesNothingBeyondItsRadius) {
       if (nearest >= radius) {
         ASSERT_EQ(value, before[node]) << node;
       } else {
+        reached[node / kBrickCells] = 1;
         const double part = 1 - nearest * nearest / (radius * radius);
         // Beside the solid's own value, which is within 0.5 of zero.
         EXPECT_NEAR(value, (1 - part * part) * before[node], 0.5 * part * part + 1e-5) << node;
@@ -343,7 +346,58 @@ TEST_P(CellLattice, BlendChangesNothingBeyondItsRadius) {
         EXPECT_EQ(value > 0, (lattice.state.view()[node] & kSolid) != 0) << node;
       }
     });
+    EXPECT_EQ(to_host<const std::uint8_t>(backend(), changed.view()), reached);
   }
+}
+
+TEST_P(CellLattice, FarMarksAreWhereLabelsHaveLeftTheSolid) {
+  const std::array<int, 3> low = {3, 3, 3}, high = {13, 11, 9};  // the object's voxels
+  DenseVolume volume({16, 14, 12});
+  for (int z = low[2]; z < high[2]; ++z)
+    for (int y = low[1]; y < high[1]; ++y)
+      for (int x = low[0]; x < high[0]; ++x) volume.at(x, y, z) = 1;
+  const BitVolume bits = test::pack_plainly(backend(), volume);
+  const Bricks bricks = all_bricks(bits);
+  const std::size_t nodes = bricks.count * kBrickCells;
+  Buffer<std::uint8_t> labels(backend(), nodes);
+  backend().lattice_label(bits.view(), 26, bricks.view(), {3, 3, 3}, labels.view());
+  std::vector<std::uint8_t> state = to_host<const std::uint8_t>(backend(), labels.view());
+  Buffer<std::uint8_t> marks(backend(), nodes);
+  const auto far = [&](std::uint8_t active_bricks) {
+    std::vector<float> values;
+    for (const std::uint8_t s : state) values.push_back(s & kLabel ? 0.5f : -0.5f);
+    const auto active =
+        to_backend(backend(), std::vector<std::uint8_t>(bricks.count, active_bricks));
+    backend().fill(marks.view(), kStuckMark);
+    return backend().lattice_mark_far(bricks.view(), active.view(), {1, 1, 1}, 0.8f,
+                                      to_backend(backend(), state).view(),
+                                      to_backend(backend(), values).view(), marks.view());
+  };
+  EXPECT_EQ(far(1), 0u);
+
+  const int end = 2 * (kPad + high[0]), retreat = 5;  // nodes along x
+  visit_nodes(bricks.view(), [&](std::size_t node, int x, int, int) {
+    if (x > end - retreat) state[node] = static_cast<std::uint8_t>(state[node] & ~kLabel);
+  });
+  const std::uint32_t count = far(1);
+  const auto marked = to_host<const std::uint8_t>(backend(), marks.view());
+  std::uint32_t centres = 0, seen = 0;
+  visit_nodes(bricks.view(), [&](std::size_t node, int x, int y, int z) {
+    ASSERT_TRUE(marked[node] == 0 || marked[node] == kFarMark);
+    seen += marked[node] != 0;
+    if (x < end - retreat - 1) {
+      EXPECT_EQ(marked[node], 0) << x << " " << y << " " << z;
+    }
+    if (x != end || !(state[node] & kFaceCentre)) return;
+    EXPECT_EQ(marked[node], kFarMark) << x << " " << y << " " << z;
+    ++centres;
+  });
+  EXPECT_EQ(seen, count);
+  EXPECT_EQ(centres, 8u * 6u);
+
+  EXPECT_EQ(far(0), 0u);
+  const auto none = to_host<const std::uint8_t>(backend(), marks.view());
+  EXPECT_EQ(std::count(none.begin(), none.end(), 0), static_cast<std::ptrdiff_t>(nodes));
 }
 
 INSTANTIATE_TEST_SUITE_P(Backends, CellLattice, ::testing::ValuesIn(backend_names()), test_name);

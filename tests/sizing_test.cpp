@@ -115,7 +115,7 @@ TEST(Sizing, GrowthIsLimitedAsByTryingAllSteps) {
   std::mt19937 random(4);
   for (int i = 0; i < 9; ++i) given[random() % given.size()] = 0.5f + 0.1f * static_cast<float>(i);
   backend().upload<float>(values.view(), given);
-  grow_limited(backend(), field, 0.25f, 10, values);
+  grow_limited(backend(), field, 0.25f, values);
   const std::vector<float> want = settled(given, size, scale, 0.25f);
   int lowered = 0;
   for (std::size_t i = 0; i < want.size(); ++i) {

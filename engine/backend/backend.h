@@ -292,8 +292,8 @@ class Backend : public Memory {
 
   /// Flips the labels of the listed nodes (all of one colour, so that none sees another) that are
   /// simple and whose |value| is at least `threshold`, and lists those that it leaves, in the same
-  /// order, in `left` (as large as `nodes`). \return how many are left; `left` is not written when
-  /// they all are.
+  /// order, in `left` (as large as `nodes`). \return how many are left; when they all are, `left` may
+  /// not be written.
   virtual std::uint32_t relabel_sweep(const BrickView& bricks, View<const std::uint8_t> simple,
                                       View<const float> values, float threshold,
                                       View<const std::uint32_t> nodes, View<std::uint8_t> state,
@@ -302,10 +302,6 @@ class Backend : public Memory {
   /// marks = `mark` at the listed nodes.
   virtual void relabel_mark(View<const std::uint32_t> nodes, std::uint8_t mark,
                             View<std::uint8_t> marks) = 0;
-
-  /// marked[b] = 1 where a node of brick b is marked, else 0.
-  virtual void relabel_find_marked(const BrickView& bricks, View<const std::uint8_t> marks,
-                                   View<std::uint8_t> marked) = 0;
 
   /// Marks nodes where the labels leave the solid's marching-cubes surface too far, by more than
   /// `limit` (voxel lengths): centres of boundary faces, and corners round which lie polygons of a
@@ -320,10 +316,11 @@ class Backend : public Memory {
   /// Leads the values near marked nodes back to the solid's: value = (1 - d) value + d g,
   /// d = strength (1 - distance^2 / radius^2)^2 to the nearest mark, g from the occupancy round the
   /// node (its quadratic B-spline when `smooth`, else linear), kept on the side of the solid's
-  /// label where a kStuckMark is within the radius. `radius` in nodes, at most 8.
+  /// label where a kStuckMark is within the radius. `radius` in nodes, at most 8. changed[b] = 1
+  /// where a node of brick b lies within the radius of a mark, else 0.
   virtual void lattice_blend(const BrickView& bricks, View<const std::uint8_t> marks, float radius,
                              float strength, bool smooth, View<const std::uint8_t> state,
-                             View<float> values) = 0;
+                             View<float> values, View<std::uint8_t> changed) = 0;
 
   /// Gives each node whose value's sign is not its label, or whose value is zero, +-`least`.
   /// \return how many of the first kind may change their label.

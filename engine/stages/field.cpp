@@ -16,17 +16,23 @@ const float* brick_values(const BrickView& bricks, const float* values, std::siz
   return other == kNoBrick ? nullptr : values + std::size_t{kBrickCells} * other;
 }
 
-/// coefficients -= an eighth of the second difference of the values along one axis; nothing where
-/// a neighbour is not there.
-void subtract_second_difference(const float* own, const float* below, const float* above,
-                                int stride, float* coefficients) {
-  for (int cell = 0; cell < kBrickCells; ++cell) {
-    const int place = cell / stride & 7, last = cell + 7 * stride, first = cell - 7 * stride;
-    if ((place == 0 && !below) || (place == 7 && !above)) continue;
-    const float low = place == 0 ? below[last] : own[cell - stride];
-    const float high = place == 7 ? above[first] : own[cell + stride];
-    coefficients[cell] -= 0.125f * ((low + high) - 2.0f * own[cell]);
-  }
+/// coefficients -= an eighth of the second difference of `count` values.
+void subtract_second_differences(const float* own, const float* low, const float* high, int count,
+                                 float* coefficients) {
+  for (int i = 0; i < count; ++i) coefficients[i] -= 0.125f * ((low[i] + high[i]) - 2.0f * own[i]);
+}
+
+/// The same along an axis of a run of eight layers, `stride` values each; nothing where a neighbour
+/// is not there. \param below, above  the runs before and behind; may be null.
+void subtract_along(const float* own, const float* below, const float* above, int stride,
+                    float* coefficients) {
+  const int last = 7 * stride;
+  if (below) subtract_second_differences(own, below + last, own + stride, stride, coefficients);
+  subtract_second_differences(own + stride, own, own + 2 * stride, 6 * stride,
+                              coefficients + stride);
+  if (above)
+    subtract_second_differences(own + last, own + last - stride, above, stride,
+                                coefficients + last);
 }
 
 void brick_coefficients(const BrickView& bricks, const float* values, std::size_t brick,
@@ -35,10 +41,14 @@ void brick_coefficients(const BrickView& bricks, const float* values, std::size_
   std::copy_n(own, kBrickCells, coefficients);
   for (int axis = 0; axis < 3; ++axis) {
     const int along[3] = {axis == 0, axis == 1, axis == 2};
-    subtract_second_difference(
-        own, brick_values(bricks, values, brick, brick_neighbour(-along[0], -along[1], -along[2])),
-        brick_values(bricks, values, brick, brick_neighbour(along[0], along[1], along[2])),
-        1 << (3 * axis), coefficients);
+    const float* below =
+        brick_values(bricks, values, brick, brick_neighbour(-along[0], -along[1], -along[2]));
+    const float* above =
+        brick_values(bricks, values, brick, brick_neighbour(along[0], along[1], along[2]));
+    const int stride = 1 << (3 * axis);
+    for (int run = 0; run < kBrickCells; run += 8 * stride)
+      subtract_along(own + run, below ? below + run : nullptr, above ? above + run : nullptr,
+                     stride, coefficients + run);
   }
 }
 

@@ -14,6 +14,7 @@ namespace {
 constexpr float kThin = 0.7f;    // of edge_min: a smaller radius of curvature is hard
 constexpr float kRoom = 0.6f;    // of edge_min: no other sheet within this, along the normal
 constexpr float kGrowth = 3.0f;  // edge lengths that regions are grown by
+constexpr float kBeyond = 3.1f;  // edge lengths: farther than that from any region
 constexpr float kFar = 1e6f;
 constexpr float kBeside = 1e-3f;      // a distance that is near, but not in a hard cell
 constexpr std::uint32_t kIsland = 8;  // cells of the surface that are not left alone
@@ -164,13 +165,13 @@ std::vector<std::uint8_t> find_hard_regions(Backend& backend, const IndicatorFie
   const SurfaceSamples& samples = sizes.samples;
   Buffer<float> distance(backend, sizes.sizes.size());
   float* to_hard = distance.view().data();
-  std::fill_n(to_hard, distance.size(), kFar);
+  std::fill_n(to_hard, distance.size(), kBeyond * rule.edge_max);
   backend.run((samples.count() + kSampleGrain - 1) / kSampleGrain, [&](std::size_t task) {
     const std::size_t end = std::min((task + 1) * kSampleGrain, samples.count());
     for (std::size_t i = task * kSampleGrain; i < end; ++i)
       if (is_hard(view, samples, rule, i)) to_hard[samples.cell[i]] = 0;
   });
-  grow_limited(backend, field, 1.0f, kGrowth * rule.edge_max, distance);
+  grow_limited(backend, field, 1.0f, distance);
   fill_islands(field, sizes, distance);
 
   std::vector<std::uint8_t> at_vertex =

@@ -1,6 +1,7 @@
 #include "stages/relabel.h"
 
 #include <algorithm>
+#include <span>
 
 #include "stages/close_handles.h"
 #include "stages/lattice.h"
@@ -82,23 +83,22 @@ class Relabelling {
   /// Marks stuck nodes and those that left the solid too far. \return how many are too far.
   std::uint32_t mark(const Scale& scale, View<std::uint8_t> marks) {
     const float limit = kDistanceShare * distance_limit(scale);
+    upload(active_and_round_them());
     const std::uint32_t far =
-        backend_.lattice_mark_far(lattice_.bricks.view(), upload_active(), scale, limit,
+        backend_.lattice_mark_far(lattice_.bricks.view(), active_view_.view(), scale, limit,
                                   lattice_.state.view(), lattice_.values.view(), marks);
     for (const Pending& pending : pending_)
       backend_.relabel_mark(listed(pending), kStuckMark, marks);
     return far;
   }
 
-  /// Leads the field back to the solid round the marks; the bricks that this can change are the
-  /// active ones from then on.
+  /// Leads the field back to the solid round the marks; the bricks that this changes are the active
+  /// ones from then on: whatever is stuck is marked, so that no label flips elsewhere.
   void repair(View<const std::uint8_t> marks, const Repair& repair) {
     backend_.lattice_blend(lattice_.bricks.view(), marks, repair.radius, repair.strength,
-                           repair.smooth, lattice_.state.view(), lattice_.values.view());
-    backend_.relabel_find_marked(lattice_.bricks.view(), marks, active_view_.view());
+                           repair.smooth, lattice_.state.view(), lattice_.values.view(),
+                           active_view_.view());
     backend_.download<std::uint8_t>(active_view_.view(), active_);
-    grow_active();  // the blend's reach
-    grow_active();  // what its flips can bring near or far
   }
 
  private:
@@ -106,7 +106,8 @@ class Relabelling {
     const BrickView bricks = lattice_.bricks.view();
     counts_.resize(backend_, 8 * bricks.count + 1);
     const auto counts = counts_.view();
-    const View<const std::uint8_t> active = upload_active();
+    upload(active_);
+    const View<const std::uint8_t> active = active_view_.view();
     backend_.relabel_count(bricks, active, lattice_.state.view(), lattice_.values.view(),
                            counts.subview(0, 8 * bricks.count));
     const std::uint32_t total =
@@ -137,26 +138,27 @@ class Relabelling {
     return flips;
   }
 
-  View<const std::uint8_t> upload_active() {
-    active_view_.resize(backend_, active_.size());
-    backend_.upload<std::uint8_t>(active_view_.view(), active_);
-    return active_view_.view();
+  void upload(std::span<const std::uint8_t> active) {
+    active_view_.resize(backend_, active.size());
+    backend_.upload(active_view_.view(), active);
   }
 
-  void grow_active() {
-    const std::vector<std::uint8_t> before = active_;
+  /// The active bricks and those that their values and labels can bring near or far.
+  std::vector<std::uint8_t> active_and_round_them() {
+    std::vector<std::uint8_t> grown = active_;
     const auto neighbours =
         backend_.on_host(View<const std::int32_t>(lattice_.bricks.neighbours.view()));
-    for (std::size_t b = 0; b < before.size(); ++b)
-      for (std::size_t n = 0; n < 27 && !active_[b]; ++n) {
+    for (std::size_t b = 0; b < grown.size(); ++b)
+      for (std::size_t n = 0; n < 27 && !grown[b]; ++n) {
         const std::int32_t other = neighbours[27 * b + n];
-        if (other != kNoBrick && before[static_cast<std::size_t>(other)]) active_[b] = 1;
+        grown[b] = other != kNoBrick && active_[static_cast<std::size_t>(other)];
       }
+    return grown;
   }
 
   Backend& backend_;
   Lattice& lattice_;
-  std::vector<std::uint8_t> active_;  ///< bricks whose values have changed, and those round them
+  std::vector<std::uint8_t> active_;  ///< bricks whose values have changed
   Buffer<std::uint8_t> active_view_;
   Buffer<std::uint8_t> simple_;
   Buffer<std::uint32_t> counts_;

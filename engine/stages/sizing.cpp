@@ -14,7 +14,6 @@ namespace {
 constexpr std::size_t kCells = 64;  // size cells a brick
 constexpr std::size_t kTriangleGrain = 8192;
 constexpr float kRings[] = {1, 1, 2, 3};  // steps to the distances at which normals are compared
-constexpr float kFarthest = 32;           // lengths that a size is carried at most
 constexpr std::uint32_t kNoVertex = 0xffffffffu;
 
 /// The first base vertex of each cell, not yet on the zero set.
@@ -72,35 +71,95 @@ struct SizeHalo {
       }
   }
 
+  void copy_own(float* out) const {
+    for (int row = 0; row < 16; ++row)
+      std::copy_n(&value[row / 4 + 1][row % 4 + 1][1], 4, out + 4 * row);
+  }
+
   float value[6][6][8];  ///< z, y, x, each from one cell before the brick's first
 };
 
-/// What a step to each of the 27 neighbours costs.
+/// What a step to a neighbour costs: along the axes of the bits (x, y, z) of the entry's number.
 struct StepCosts {
   StepCosts(const Scale& voxel, float growth) {
-    for (int n = 0; n < 27; ++n) {
-      const float x = voxel[0] * static_cast<float>(n % 3 - 1);
-      const float y = voxel[1] * static_cast<float>(n / 3 % 3 - 1);
-      const float z = voxel[2] * static_cast<float>(n / 9 - 1);
+    for (int n = 0; n < 8; ++n) {
+      const float x = voxel[0] * static_cast<float>(n & 1);
+      const float y = voxel[1] * static_cast<float>(n >> 1 & 1);
+      const float z = voxel[2] * static_cast<float>(n >> 2);
       cost[n] = growth * norm({x, y, z});
     }
+    least = std::min({cost[1], cost[2], cost[4]});
   }
-  float cost[27];
+  float cost[8];
+  float least;
 };
 
-void relax(const SizeHalo& halo, const StepCosts& steps, float* out) {
-  float least[kCells];
-  std::fill_n(least, kCells, kLargestRadius);
-  for (int n = 0; n < 27; ++n)
-    for (int row = 0; row < 16; ++row) {
-      const float* from = &halo.value[row / 4 + n / 9][row % 4 + n / 3 % 3][n % 3];
-      float* to = &least[4 * row];
-      for (int x = 0; x < 4; ++x) {
-        const float there = from[x] + steps.cost[n];
-        to[x] = there < to[x] ? there : to[x];
-      }
+using SizeRow = std::array<float, 4>;
+
+SizeRow lesser(const SizeRow& a, const SizeRow& b) {
+  SizeRow row;
+  for (std::size_t x = 0; x < 4; ++x) row[x] = a[x] < b[x] ? a[x] : b[x];
+  return row;
+}
+
+SizeRow row_from(const float* values) { return {values[0], values[1], values[2], values[3]}; }
+
+/// Each of the brick's own values as its neighbours allow it: the least of those at both ends of an
+/// axis goes on with one cost.
+void lower(const SizeHalo& halo, const StepCosts& steps, SizeRow (&least)[4][4]) {
+  SizeRow along_x[2][6][6], along_y[4][6][4];  // z, y; bits as those of the costs
+  for (int z = 0; z < 6; ++z)
+    for (int y = 0; y < 6; ++y) {
+      const float* row = halo.value[z][y];
+      along_x[0][z][y] = row_from(row + 1);
+      along_x[1][z][y] = lesser(row_from(row), row_from(row + 2));
     }
-  std::copy_n(least, kCells, out);
+  for (int n = 0; n < 2; ++n)
+    for (int z = 0; z < 6; ++z)
+      for (int y = 0; y < 4; ++y) {
+        along_y[n][z][y] = along_x[n][z][y + 1];
+        along_y[n + 2][z][y] = lesser(along_x[n][z][y], along_x[n][z][y + 2]);
+      }
+  for (int z = 0; z < 4; ++z)
+    for (int y = 0; y < 4; ++y) {
+      SizeRow row = along_y[0][z + 1][y];
+      for (int n = 1; n < 8; ++n) {
+        const auto& plane = along_y[n & 3];
+        SizeRow there = n < 4 ? plane[z + 1][y] : lesser(plane[z][y], plane[z + 2][y]);
+        for (float& value : there) value += steps.cost[n];
+        row = lesser(there, row);
+      }
+      least[z][y] = row;
+    }
+}
+
+/// Whether no value of the halo is low enough to lower one of the brick's own.
+bool obeys(const SizeHalo& halo, const StepCosts& steps) {
+  SizeRow least = row_from(halo.value[0][0]), most = row_from(&halo.value[1][1][1]);
+  for (int z = 0; z < 6; ++z)
+    for (int y = 0; y < 6; ++y) {
+      const float* row = halo.value[z][y];
+      least = lesser(least, lesser(row_from(row), row_from(row + 2)));
+      if (y == 0 || y == 5 || z == 0 || z == 5) continue;
+      for (std::size_t x = 0; x < 4; ++x) most[x] = std::max(most[x], row[x + 1]);
+    }
+  return *std::min_element(least.begin(), least.end()) + steps.least >=
+         *std::max_element(most.begin(), most.end());
+}
+
+/// Lowers the brick's own values until each obeys those round it; those of other bricks stay.
+void relax(const StepCosts& steps, SizeHalo& halo) {
+  for (bool changed = !obeys(halo, steps); changed;) {
+    SizeRow least[4][4];
+    lower(halo, steps, least);
+    changed = false;
+    for (std::size_t z = 0; z < 4; ++z)
+      for (std::size_t y = 0; y < 4; ++y) {
+        float* own = &halo.value[z + 1][y + 1][1];
+        changed = changed || !std::equal(own, own + 4, least[z][y].begin());
+        std::copy_n(least[z][y].begin(), 4, own);
+      }
+  }
 }
 
 /// Whether a brick or one round it is flagged.
@@ -219,27 +278,28 @@ float radius_of_curvature(const FieldView& field, const Vec3& p, const Vec3& nor
   return std::sqrt(least);
 }
 
-void grow_limited(Backend& backend, const IndicatorField& field, float growth, float reach,
+void grow_limited(Backend& backend, const IndicatorField& field, float growth,
                   Buffer<float>& values) {
   const Scale voxel = {2 * field.step[0], 2 * field.step[1], 2 * field.step[2]};
   const StepCosts steps(voxel, growth);
   const std::int32_t* near = field.neighbours.view().data();
   const std::size_t bricks = field.brick_count();
-  const auto passes = static_cast<int>(std::ceil(reach / std::min({voxel[0], voxel[1], voxel[2]})));
   constexpr std::size_t kGrain = 32;
   Buffer<float> next(backend, values.size());
   std::vector<std::uint8_t> changed(bricks, 1), changes(bricks);
-  for (int pass = 0; pass < passes; ++pass) {
+  while (std::find(changed.begin(), changed.end(), 1) != changed.end()) {
     const float* from = values.view().data();
     float* to = next.view().data();
     backend.run((bricks + kGrain - 1) / kGrain, [&](std::size_t task) {
       const std::size_t end = std::min((task + 1) * kGrain, bricks);
       for (std::size_t b = task * kGrain; b < end; ++b) {
         const float* own = from + kCells * b;
-        if (any_of(near + 27 * b, changed))
-          relax(SizeHalo(near + 27 * b, from, kLargestRadius), steps, to + kCells * b);
-        else
-          std::copy_n(own, kCells, to + kCells * b);
+        std::copy_n(own, kCells, to + kCells * b);
+        changes[b] = 0;
+        if (!any_of(near + 27 * b, changed)) continue;
+        SizeHalo halo(near + 27 * b, from, kLargestRadius);
+        relax(steps, halo);
+        halo.copy_own(to + kCells * b);
         changes[b] = !std::equal(own, own + kCells, to + kCells * b);
       }
     });
@@ -265,15 +325,10 @@ void apply_rule(Backend& backend, const IndicatorField& field, const TriangleMes
   sizes.largest = rule.edge_max;
   float* values = sizes.sizes.view().data();
   std::fill_n(values, sizes.sizes.size(), rule.edge_max);
-  float least = rule.edge_max;
-  for (std::size_t i = 0; i < sizes.samples.count(); ++i) {
-    const float size =
+  for (std::size_t i = 0; i < sizes.samples.count(); ++i)
+    values[sizes.samples.cell[i]] =
         place_factor(places, sizes.samples.position[i]) * size_for(rule, sizes.samples.radius[i]);
-    values[sizes.samples.cell[i]] = size;
-    least = std::min(least, size);
-  }
-  const float reach = std::min((rule.edge_max - least) / rule.gradation, kFarthest);
-  grow_limited(backend, field, rule.gradation, reach, sizes.sizes);
+  grow_limited(backend, field, rule.gradation, sizes.sizes);
   sizes.predicted_triangles = predict_triangles(backend, sizes.view(field), surface);
 }
 

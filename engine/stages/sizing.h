@@ -70,10 +70,10 @@ SizeField make_sizes(Backend& backend, const IndicatorField& field, const Triang
 void apply_rule(Backend& backend, const IndicatorField& field, const TriangleMesh& surface,
                 const SizeRule& rule, std::span<const CarefulPlace> places, SizeField& sizes);
 
-/// Lowers each value to what its neighbours allow, value(p) <= value(q) + growth |p - q|, by
-/// min-plus passes over the 26 neighbours that carry a value `reach` lengths far.
+/// Lowers each value to what its 26 neighbours allow, value(p) <= value(q) + growth |p - q|, until
+/// all obey: to the least over the paths from another value, summed step by step from there.
 /// \param values  64 a brick of the field.
-void grow_limited(Backend& backend, const IndicatorField& field, float growth, float reach,
+void grow_limited(Backend& backend, const IndicatorField& field, float growth,
                   Buffer<float>& values);
 
 }  // namespace vasamesh

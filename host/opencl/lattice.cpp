@@ -1,6 +1,9 @@
 /// The cell lattice: kernels/lattice.cl and kernels/far.cl.
 
+#include <span>
+
 #include "opencl/opencl_backend.h"
+#include "stages/far_cubes.h"
 #include "stages/far_offsets.h"
 
 namespace vasamesh {
@@ -12,6 +15,13 @@ cl_int4 size_of(const BitView& bits) {
 }
 
 cl_int4 radius_of(const std::array<int, 3>& radius) { return {{radius[0], radius[1], radius[2]}}; }
+
+template <class T>
+Buffer<T> uploaded(Backend& backend, std::span<const T> values) {
+  Buffer<T> buffer(backend, values.size());
+  backend.upload(buffer.view(), values);
+  return buffer;
+}
 
 }  // namespace
 
@@ -39,16 +49,21 @@ std::uint32_t OpenClBackend::lattice_mark_far(const BrickView& bricks,
                                               float limit, View<const std::uint8_t> state,
                                               View<const float> values, View<std::uint8_t> marks) {
   const FarOffsets offsets = make_far_offsets(scale, limit);
-  Buffer<FarOffset> beside(*this, offsets.beside.size()), search(*this, offsets.search.size());
-  upload<FarOffset>(beside.view(), offsets.beside);
-  upload<FarOffset>(search.view(), offsets.search);
+  const FarCubes& far = far_cubes();
+  const auto beside = uploaded<FarOffset>(*this, offsets.beside),
+             search = uploaded<FarOffset>(*this, offsets.search);
+  const auto parts = uploaded<FarPart>(*this, make_far_parts(scale));
+  const auto cubes = uploaded<FarCube>(*this, far.cubes);
+  const auto cube_parts = uploaded<std::uint16_t>(*this, far.parts),
+             cube_sides = uploaded<std::uint16_t>(*this, far.sides);
   const cl_float4 half_scale{{0.5f * scale[0], 0.5f * scale[1], 0.5f * scale[2], 0}};
   cl_float8 edge_length{};
   for (std::size_t d = 0; d < 7; ++d) edge_length.s[d] = offsets.edge_length[d];
   launch("lattice_mark_far", bricks.count, shape_.brick_items, half_scale, limit, edge_length,
          static_cast<cl_int>(offsets.beside.size()), static_cast<cl_int>(offsets.search.size()),
-         View<const FarOffset>(beside.view()), View<const FarOffset>(search.view()),
-         bricks.neighbours, active, state, values, marks, counts_of(bricks.count));
+         beside.view(), search.view(), parts.view(), cubes.view(), cube_parts.view(),
+         cube_sides.view(), bricks.neighbours, active, state, values, marks,
+         counts_of(bricks.count));
   return sum_of_counts();
 }
 

@@ -128,14 +128,12 @@ class OpenClBackend final : public Backend {
                               View<std::uint32_t> left) override;
   void relabel_mark(View<const std::uint32_t> nodes, std::uint8_t mark,
                     View<std::uint8_t> marks) override;
-  void relabel_find_marked(const BrickView& bricks, View<const std::uint8_t> marks,
-                           View<std::uint8_t> marked) override;
   std::uint32_t lattice_mark_far(const BrickView& bricks, View<const std::uint8_t> active,
                                  const Scale& scale, float limit, View<const std::uint8_t> state,
                                  View<const float> values, View<std::uint8_t> marks) override;
   void lattice_blend(const BrickView& bricks, View<const std::uint8_t> marks, float radius,
                      float strength, bool smooth, View<const std::uint8_t> state,
-                     View<float> values) override;
+                     View<float> values, View<std::uint8_t> changed) override;
   std::uint32_t lattice_clamp(const BrickView& bricks, float least, View<const std::uint8_t> state,
                               View<float> values) override;
   void surface_count(const BrickView& bricks, View<const std::uint8_t> state,

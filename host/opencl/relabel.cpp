@@ -48,19 +48,15 @@ void OpenClBackend::relabel_mark(View<const std::uint32_t> nodes, std::uint8_t m
          nodes, marks);
 }
 
-void OpenClBackend::relabel_find_marked(const BrickView& bricks, View<const std::uint8_t> marks,
-                                        View<std::uint8_t> marked) {
-  launch("relabel_find_marked", groups_of(bricks.count), shape_.fold_items, cl_ulong{bricks.count},
-         marks, marked);
-}
-
 void OpenClBackend::lattice_blend(const BrickView& bricks, View<const std::uint8_t> marks,
                                   float radius, float strength, bool smooth,
-                                  View<const std::uint8_t> state, View<float> values) {
+                                  View<const std::uint8_t> state, View<float> values,
+                                  View<std::uint8_t> changed) {
   Buffer<std::uint8_t> marked(*this, bricks.count);
-  relabel_find_marked(bricks, marks, marked.view());
+  launch("relabel_find_marked", groups_of(bricks.count), shape_.fold_items, cl_ulong{bricks.count},
+         marks, marked.view());
   launch("lattice_blend", bricks.count, shape_.brick_items, radius, strength, cl_int{smooth},
-         bricks.neighbours, View<const std::uint8_t>(marked.view()), marks, state, values);
+         bricks.neighbours, View<const std::uint8_t>(marked.view()), marks, state, values, changed);
 }
 
 std::uint32_t OpenClBackend::lattice_clamp(const BrickView& bricks, float least,

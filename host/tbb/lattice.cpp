@@ -4,6 +4,7 @@
 #include <array>
 #include <cstring>
 
+#include "tbb/byte_rows.h"
 #include "tbb/tbb_backend.h"
 
 namespace vasamesh {
@@ -20,7 +21,8 @@ constexpr int kNodeMargin = 4;
 constexpr int kVoxelMargin = 3;
 
 using VoxelRows = std::uint32_t[kVoxels][kVoxels];  // [z][y]
-using NodeRows = std::uint32_t[kNodes][kNodes];     // [z][y]
+using NodeRows = std::uint16_t[kNodes][kNodes];     // [z][y]
+using OwnRows = std::uint16_t[8][8];                // [z][y], those of the brick; nodes from -4
 
 /// Bit i to bit 2 i.
 constexpr std::uint32_t spread(std::uint32_t bits) {
@@ -56,50 +58,39 @@ bool load_voxels(const BitView& object, const BrickCoord& c, VoxelRows& rows) {
   return any != 0 && (all & ((1u << kVoxels) - 1)) != (1u << kVoxels) - 1;
 }
 
-/// The centres of faces between object and background.
+/// The centres of faces between object and background. Node y of the extended brick is at -4 + y;
+/// even ones lie between voxels y / 2 and y / 2 + 1 of the rows, odd ones at voxel (y + 1) / 2.
 void mark_face_centres(const VoxelRows& voxels, NodeRows& rows) {
-  for (int z = 0; z < kNodes; ++z)
-    for (int y = 0; y < kNodes; ++y) {
-      // Node y of the extended brick is at -4 + y; even ones lie between voxels y / 2 and y / 2 + 1
-      // of the rows, odd ones at voxel (y + 1) / 2.
-      const int vy = (y + 1) / 2, vz = (z + 1) / 2;
-      std::uint32_t bits = 0;
-      if ((y & 1) && (z & 1)) {
-        const std::uint32_t v = voxels[vz][vy];
-        bits = spread((v ^ v >> 1) & 0xffu);
-      } else if ((z & 1)) {
-        bits = spread((voxels[vz][y / 2] ^ voxels[vz][y / 2 + 1]) >> 1 & 0xffu) << 1;
-      } else if ((y & 1)) {
-        bits = spread((voxels[z / 2][vy] ^ voxels[z / 2 + 1][vy]) >> 1 & 0xffu) << 1;
-      }
-      rows[z][y] = bits;
+  const auto odd_nodes = [](std::uint32_t row) {
+    return static_cast<std::uint16_t>(spread(row >> 1 & 0xffu) << 1);
+  };
+  for (int z = 0; z < kVoxels - 1; ++z)
+    for (int y = 0; y < kVoxels - 1; ++y) {
+      const std::uint32_t own = voxels[z + 1][y + 1];
+      rows[2 * z][2 * y] = 0;
+      rows[2 * z][2 * y + 1] = odd_nodes(own ^ voxels[z][y + 1]);
+      rows[2 * z + 1][2 * y] = odd_nodes(own ^ voxels[z + 1][y]);
+      rows[2 * z + 1][2 * y + 1] = static_cast<std::uint16_t>(spread((own ^ own >> 1) & 0xffu));
     }
 }
 
-/// Box dilation by `radius` nodes along each axis; right for the nodes 0..7 of the brick, rows
-/// outside keep what the earlier axes gave.
-void dilate(NodeRows& rows, const std::array<int, 3>& radius) {
+/// Box dilation by `radius` nodes along each axis, at most kNodeMargin; `rows` is used up.
+void dilate(NodeRows& rows, const std::array<int, 3>& radius, OwnRows& own) {
   for (auto& plane : rows)
-    for (std::uint32_t& row : plane) {
-      const std::uint32_t bits = row;
-      for (int r = 1; r <= radius[0]; ++r) row |= bits << r | bits >> r;
-      row &= 0xffffu;
+    for (std::uint16_t& row : plane) {
+      std::uint32_t bits = row;
+      for (int r = 1; r <= radius[0]; ++r)
+        bits |= std::uint32_t{row} << r | std::uint32_t{row} >> r;
+      row = static_cast<std::uint16_t>(bits);
     }
-  NodeRows result;
+  std::uint16_t along_y[kNodes][8] = {};
   for (int z = 0; z < kNodes; ++z)
-    for (int y = 0; y < kNodes; ++y) {
-      std::uint32_t bits = 0;
-      for (int k = std::max(0, y - radius[1]); k <= std::min(kNodes - 1, y + radius[1]); ++k)
-        bits |= rows[z][k];
-      result[z][y] = bits;
-    }
-  for (int z = 0; z < kNodes; ++z)
-    for (int y = 0; y < kNodes; ++y) {
-      std::uint32_t bits = 0;
-      for (int k = std::max(0, z - radius[2]); k <= std::min(kNodes - 1, z + radius[2]); ++k)
-        bits |= result[k][y];
-      rows[z][y] = bits;
-    }
+    for (int k = kNodeMargin - radius[1]; k <= kNodeMargin + radius[1]; ++k)
+      for (int y = 0; y < 8; ++y) along_y[z][y] |= rows[z][y + k];
+  std::memset(own, 0, sizeof(own));
+  for (int z = 0; z < 8; ++z)
+    for (int k = kNodeMargin - radius[2]; k <= kNodeMargin + radius[2]; ++k)
+      for (int y = 0; y < 8; ++y) own[z][y] |= along_y[z + k][y];
 }
 
 /// Eight bits of the brick's own nodes in a row of the extended ones.
@@ -225,10 +216,11 @@ void TbbBackend::lattice_mark(const BitView& object, const BrickView& bricks,
     std::uint32_t found = 0;
     if (load_voxels(object, bricks.coords[brick], voxels)) {
       NodeRows rows;
+      OwnRows own;
       mark_face_centres(voxels, rows);
-      dilate(rows, reach);
-      for (int z = 0; z < 8; ++z)
-        for (int y = 0; y < 8; ++y) found |= own_row(rows[z + kNodeMargin][y + kNodeMargin]);
+      dilate(rows, reach, own);
+      for (const auto& plane : own)
+        for (const std::uint16_t row : plane) found |= own_row(row);
     }
     used[brick] = found != 0;
   });
@@ -239,20 +231,21 @@ void TbbBackend::lattice_label(const BitView& object, int connectivity, const Br
   for_each(bricks.count, kGrain, [=](std::size_t brick) {
     VoxelRows voxels;
     load_voxels(object, bricks.coords[brick], voxels);
-    NodeRows centres, free;
+    NodeRows centres, rows;
+    OwnRows free;
     mark_face_centres(voxels, centres);
-    std::memcpy(free, centres, sizeof(free));
-    dilate(free, radius);
+    std::memcpy(rows, centres, sizeof(rows));
+    dilate(rows, radius, free);
     std::uint8_t* out = state.data() + kBrickCells * brick;
     for (int z = 0; z < 8; ++z)
       for (int y = 0; y < 8; ++y) {
         const std::uint32_t solid = solid_row(voxels, connectivity, y, z);
-        const std::uint32_t free_row = own_row(free[z + kNodeMargin][y + kNodeMargin]);
+        const std::uint32_t free_row = own_row(free[z][y]);
         const std::uint32_t centre_row = own_row(centres[z + kNodeMargin][y + kNodeMargin]);
-        for (int x = 0; x < 8; ++x)
-          out[brick_cell(x, y, z)] = static_cast<std::uint8_t>(
-              (solid >> x & 1) * (kLabel | kSolid) | (free_row >> x & 1) * kFree |
-              (centre_row >> x & 1) * kFaceCentre);
+        const std::uint64_t states = bit_bytes(solid) * (kLabel | kSolid) |
+                                     bit_bytes(free_row) * kFree |
+                                     bit_bytes(centre_row) * kFaceCentre;
+        std::memcpy(out + brick_cell(0, y, z), &states, sizeof(states));
       }
   });
 }

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <bit>
 #include <cmath>
 #include <vector>
 
-#include "types/lattice_access.h"
+#include "tbb/byte_rows.h"
 #include "tbb/tbb_backend.h"
+#include "types/lattice_access.h"
 
 namespace vasamesh {
 
@@ -18,6 +20,14 @@ constexpr std::size_t kNodeGrain = 512;  // listed nodes a task takes
 
 bool wrong(std::uint8_t state, float value) { return ((state & kLabel) != 0) != (value > 0); }
 
+/// What the neighbours in a node's link add to its index, within a brick.
+constexpr auto kLinkSteps = [] {
+  std::array<std::size_t, kLink.size()> steps{};
+  for (std::size_t i = 0; i < kLink.size(); ++i)
+    steps[i] = static_cast<std::size_t>(brick_cell(kLink[i].x, kLink[i].y, kLink[i].z));
+  return steps;
+}();
+
 /// The labels of a node's 14 neighbours; a missing one takes part as outside.
 std::uint32_t link_labels(const BrickView& bricks, const std::uint8_t* state, std::size_t node) {
   const std::size_t brick = node / kBrickCells;
@@ -25,22 +35,93 @@ std::uint32_t link_labels(const BrickView& bricks, const std::uint8_t* state, st
   const int x = cell & 7, y = cell >> 3 & 7, z = cell >> 6;
   const std::int32_t* near = bricks.neighbours.data() + 27 * brick;
   std::uint32_t labels = 0;
-  const bool inside = x > 0 && x < 7 && y > 0 && y < 7 && z > 0 && z < 7;
+  if (x > 0 && x < 7 && y > 0 && y < 7 && z > 0 && z < 7) {
+    for (std::size_t i = 0; i < kLink.size(); ++i)
+      labels |= (state[node + kLinkSteps[i]] & std::uint32_t{kLabel}) << i;
+    return labels;
+  }
   for (std::size_t i = 0; i < kLink.size(); ++i) {
-    const NodeOffset o = kLink[i];
-    const std::size_t other = inside ? node + static_cast<std::ptrdiff_t>(brick_cell(o.x, o.y, o.z))
-                                     : node_at(near, x + o.x, y + o.y, z + o.z);
-    if (other != kNoNode) labels |= (state[other] & 1u) << i;
+    const std::size_t other = node_at(near, x + kLink[i].x, y + kLink[i].y, z + kLink[i].z);
+    if (other != kNoNode) labels |= (state[other] & std::uint32_t{kLabel}) << i;
   }
   return labels;
 }
 
-template <class Visit>
-void visit_colour(int colour, const Visit& visit) {
-  for (int z = colour >> 2 & 1; z < 8; z += 2)
-    for (int y = colour >> 1 & 1; y < 8; y += 2)
-      for (int x = colour & 1; x < 8; x += 2) visit(brick_cell(x, y, z));
+/// The nodes of a row that may change and have a label that is not their value's sign.
+std::uint32_t wanted_row(const std::uint8_t* state, const float* values, int row) {
+  const std::uint64_t bytes = load_bytes(state, row);
+  const std::uint32_t may_change = byte_bits(bytes, kFree);
+  if (may_change == 0) return 0;
+  std::uint32_t inside = 0;
+  for (int x = 0; x < 8; ++x) inside |= std::uint32_t{values[8 * row + x] > 0} << x;
+  return (byte_bits(bytes, kLabel) ^ inside) & may_change;
 }
+
+/// The first colour of the nodes of a row; those of odd x have the next.
+std::size_t row_colour(int row) {
+  return static_cast<std::size_t>(2 * (row & 1) + 4 * (row >> 3 & 1));
+}
+
+constexpr std::uint32_t kEvenNodes = 0x55;
+
+/// The marks within a radius of a brick's nodes.
+class MarksNear {
+ public:
+  MarksNear(const std::int32_t* near, const std::vector<std::uint8_t>& marked,
+            const std::uint8_t* marks, float radius)
+      : inside_(static_cast<int>(std::ceil(radius * radius))),
+        reach_(static_cast<int>(std::ceil(radius)) - 1) {
+    for (int n = 0; n < 27; ++n) {
+      if (near[n] == kNoBrick || !marked[static_cast<std::size_t>(near[n])]) continue;
+      const std::uint8_t* brick = marks + std::size_t{kBrickCells} * near[n];
+      for (int row = 0; row < kBrickRows; ++row) {
+        if (load_bytes(brick, row) == 0) continue;
+        for (int x = 0; x < 8; ++x)
+          if (const std::uint8_t mark = brick[8 * row + x])
+            add({8 * (n % 3 - 1) + x, 8 * (n / 3 % 3 - 1) + (row & 7),
+                 8 * (n / 9 - 1) + (row >> 3)},
+                mark == kStuckMark);
+      }
+    }
+  }
+
+  bool any() const { return any_; }
+  /// Of a node's distance to the nearest mark; the radius' own or more where none is within it.
+  int square(int cell) const { return any_ ? square_[cell] : inside_; }
+  /// Whether a kStuckMark is within the radius of a node.
+  bool keeps_label(int cell) const { return keeps_label_[cell]; }
+
+ private:
+  void add(const std::array<int, 3>& mark, bool stuck) {
+    std::array<int, 3> low, high;
+    for (std::size_t a = 0; a < 3; ++a) {
+      low[a] = std::max(mark[a] - reach_, 0);
+      high[a] = std::min(mark[a] + reach_, 7);
+      if (low[a] > high[a]) return;
+    }
+    if (!any_) {
+      std::fill_n(square_, kBrickCells, inside_);
+      std::fill_n(keeps_label_, kBrickCells, false);
+    }
+    for (int z = low[2]; z <= high[2]; ++z)
+      for (int y = low[1]; y <= high[1]; ++y)
+        for (int x = low[0]; x <= high[0]; ++x) {
+          const int dx = mark[0] - x, dy = mark[1] - y, dz = mark[2] - z;
+          const int square = dx * dx + dy * dy + dz * dz;
+          if (square >= inside_) continue;
+          any_ = true;
+          const int cell = brick_cell(x, y, z);
+          square_[cell] = std::min(square_[cell], square);
+          keeps_label_[cell] |= stuck;
+        }
+  }
+
+  int inside_;  // squares below it are within the radius
+  int reach_;   // nodes along each axis
+  bool any_ = false;
+  int square_[kBrickCells];
+  bool keeps_label_[kBrickCells];
+};
 
 /// How a repair's field is made of the occupancy.
 struct SolidField {
@@ -85,15 +166,15 @@ void TbbBackend::relabel_count(const BrickView& bricks, View<const std::uint8_t>
                                View<const std::uint8_t> state, View<const float> values,
                                View<std::uint32_t> counts) {
   for_each(bricks.count, kGrain, [=](std::size_t brick) {
-    for (int colour = 0; colour < 8; ++colour) {
-      std::uint32_t count = 0;
-      if (active[brick])
-        visit_colour(colour, [&](int cell) {
-          const std::size_t node = kBrickCells * brick + cell;
-          count += (state[node] & kFree) && wrong(state[node], values[node]);
-        });
-      counts[static_cast<std::size_t>(colour) * bricks.count + brick] = count;
+    std::array<std::uint32_t, 8> count{};
+    for (int row = 0; active[brick] && row < kBrickRows; ++row) {
+      const std::uint32_t wanted =
+          wanted_row(state.data() + kBrickCells * brick, values.data() + kBrickCells * brick, row);
+      count[row_colour(row)] += static_cast<std::uint32_t>(std::popcount(wanted & kEvenNodes));
+      count[row_colour(row) + 1] += static_cast<std::uint32_t>(std::popcount(wanted & ~kEvenNodes));
     }
+    for (std::size_t colour = 0; colour < 8; ++colour)
+      counts[colour * bricks.count + brick] = count[colour];
   });
 }
 
@@ -102,14 +183,17 @@ void TbbBackend::relabel_collect(const BrickView& bricks, View<const std::uint8_
                                  View<const std::uint32_t> starts, View<std::uint32_t> nodes) {
   for_each(bricks.count, kGrain, [=](std::size_t brick) {
     if (!active[brick]) return;
-    for (int colour = 0; colour < 8; ++colour) {
-      std::uint32_t next = starts[static_cast<std::size_t>(colour) * bricks.count + brick];
-      visit_colour(colour, [&](int cell) {
-        const std::size_t node = kBrickCells * brick + cell;
-        if ((state[node] & kFree) && wrong(state[node], values[node]))
-          nodes[next++] = static_cast<std::uint32_t>(node);
-      });
-    }
+    std::array<std::uint32_t, 8> next;
+    for (std::size_t colour = 0; colour < 8; ++colour)
+      next[colour] = starts[colour * bricks.count + brick];
+    for (int row = 0; row < kBrickRows; ++row)
+      for_each_bit(
+          wanted_row(state.data() + kBrickCells * brick, values.data() + kBrickCells * brick, row),
+          [&](int x) {
+            nodes[next[row_colour(row) + (x & 1)]++] =
+                static_cast<std::uint32_t>(kBrickCells * brick) +
+                static_cast<std::uint32_t>(8 * row + x);
+          });
   });
 }
 
@@ -118,32 +202,23 @@ std::uint32_t TbbBackend::relabel_sweep(const BrickView& bricks, View<const std:
                                         View<const std::uint32_t> nodes, View<std::uint8_t> state,
                                         View<std::uint32_t> left) {
   const std::size_t blocks = (nodes.size + kNodeGrain - 1) / kNodeGrain;
-  std::vector<std::uint32_t> kept(blocks + 1, 0);  // then the blocks' starts in `left`
-  std::atomic<bool> flipped{false};
+  std::vector<std::size_t> kept(blocks);  // of each block, from its own place in `left` on
   for_each(blocks, 1, [&](std::size_t block) {
-    const std::size_t end = std::min((block + 1) * kNodeGrain, nodes.size);
-    bool flips = false;
-    for (std::size_t i = block * kNodeGrain; i < end; ++i) {
-      const std::size_t node = nodes[i];
-      if (!wrong(state[node], values[node])) continue;
-      if (std::fabs(values[node]) < threshold || !simple[link_labels(bricks, state.data(), node)]) {
-        ++kept[block + 1];
-        continue;
-      }
-      state[node] ^= kLabel;
-      flips = true;
+    const std::size_t first = block * kNodeGrain;
+    std::uint32_t* next = left.data() + first;
+    for (std::size_t i = first; i < std::min(first + kNodeGrain, nodes.size); ++i) {
+      const std::uint32_t node = nodes[i];
+      if (std::fabs(values[node]) < threshold || !simple[link_labels(bricks, state.data(), node)])
+        *next++ = node;
+      else
+        state[node] ^= kLabel;
     }
-    if (flips) flipped = true;
+    kept[block] = static_cast<std::size_t>(next - (left.data() + first));
   });
-  if (!flipped) return static_cast<std::uint32_t>(nodes.size);
-  for (std::size_t block = 0; block < blocks; ++block) kept[block + 1] += kept[block];
-  for_each(blocks, 1, [&](std::size_t block) {
-    const std::uint32_t* first = nodes.data() + block * kNodeGrain;
-    std::copy_if(first, std::min(first + kNodeGrain, nodes.data() + nodes.size),
-                 left.data() + kept[block],
-                 [&](std::uint32_t node) { return wrong(state[node], values[node]); });
-  });
-  return kept[blocks];
+  std::uint32_t* end = left.data();
+  for (std::size_t block = 0; block < blocks; ++block)
+    end = std::copy_n(left.data() + block * kNodeGrain, kept[block], end);
+  return static_cast<std::uint32_t>(end - left.data());
 }
 
 void TbbBackend::relabel_mark(View<const std::uint32_t> nodes, std::uint8_t mark,
@@ -151,54 +226,31 @@ void TbbBackend::relabel_mark(View<const std::uint32_t> nodes, std::uint8_t mark
   for (std::size_t i = 0; i < nodes.size; ++i) marks[nodes[i]] = mark;
 }
 
-void TbbBackend::relabel_find_marked(const BrickView& bricks, View<const std::uint8_t> marks,
-                                     View<std::uint8_t> marked) {
-  for_each(bricks.count, kGrain, [=](std::size_t brick) {
-    const std::uint8_t* own = marks.data() + kBrickCells * brick;
-    marked[brick] = std::any_of(own, own + kBrickCells, [](std::uint8_t m) { return m != 0; });
-  });
-}
-
 void TbbBackend::lattice_blend(const BrickView& bricks, View<const std::uint8_t> marks,
                                float radius, float strength, bool smooth,
-                               View<const std::uint8_t> state, View<float> values) {
+                               View<const std::uint8_t> state, View<float> values,
+                               View<std::uint8_t> changed) {
   std::vector<std::uint8_t> marked(bricks.count);
   for_each(bricks.count, kGrain, [&](std::size_t brick) {
     const std::uint8_t* own = marks.data() + kBrickCells * brick;
-    marked[brick] = std::any_of(own, own + kBrickCells, [](std::uint8_t m) { return m != 0; });
+    std::uint64_t any = 0;
+    for (int row = 0; row < kBrickRows; ++row) any |= load_bytes(own, row);
+    marked[brick] = any != 0;
   });
   const float inverse = 1.0f / (radius * radius);
-  for_each(bricks.count, 1, [&](std::size_t brick) {
+  for_each(bricks.count, kGrain, [&](std::size_t brick) {
     const std::int32_t* near = bricks.neighbours.data() + 27 * brick;
-    struct Mark {
-      int x, y, z;
-      bool keep_label;
-    };
-    std::vector<Mark> found;
-    for (int n = 0; n < 27; ++n) {
-      if (near[n] == kNoBrick || !marked[near[n]]) continue;
-      const int x0 = 8 * (n % 3 - 1), y0 = 8 * (n / 3 % 3 - 1), z0 = 8 * (n / 9 - 1);
-      for (int cell = 0; cell < kBrickCells; ++cell)
-        if (const std::uint8_t mark = marks[std::size_t{kBrickCells} * near[n] + cell])
-          found.push_back(
-              {x0 + (cell & 7), y0 + (cell >> 3 & 7), z0 + (cell >> 6), mark == kStuckMark});
-    }
-    if (found.empty()) return;
+    const MarksNear found(near, marked, marks.data(), radius);
+    changed[brick] = found.any();
+    if (!found.any()) return;
     for (int cell = 0; cell < kBrickCells; ++cell) {
-      const std::size_t node = kBrickCells * brick + cell;
-      const int x = cell & 7, y = cell >> 3 & 7, z = cell >> 6;
-      int least = 1 << 20;
-      bool keep_label = false;
-      for (const Mark& m : found) {
-        const int dx = m.x - x, dy = m.y - y, dz = m.z - z;
-        least = std::min(least, dx * dx + dy * dy + dz * dz);
-        keep_label |= m.keep_label && dx * dx + dy * dy + dz * dz < radius * radius;
-      }
-      const float rest = 1.0f - static_cast<float>(least) * inverse;
+      const float rest = 1.0f - static_cast<float>(found.square(cell)) * inverse;
       if (rest <= 0) continue;
+      const std::size_t node = kBrickCells * brick + static_cast<std::size_t>(cell);
       const float blend = strength * (rest * rest);
       values[node] = (1.0f - blend) * values[node] +
-                     blend * solid_field(near, state.data(), node, x, y, z, {smooth, keep_label});
+                     blend * solid_field(near, state.data(), node, cell & 7, cell >> 3 & 7,
+                                         cell >> 6, {smooth, found.keeps_label(cell)});
     }
   });
 }
