@@ -2,6 +2,7 @@
 /// Distances between surfaces: closed forms, and the nearest of all triangles one by one.
 
 #include "stages/distance.h"
+#include "stages/far_points.h"
 
 #include <gtest/gtest.h>
 

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "stages/approach.h"
-#include "stages/distance.h"
+#include "stages/far_points.h"
 #include "stages/intersect.h"
 #include "stages/mesh_parts.h"
 #include "stages/patch_blocks.h"
