@@ -10,8 +10,8 @@ namespace vasamesh {
 namespace {
 
 constexpr float kSure = 0.9999f;  // of a squared limit: against rounding
-constexpr float kNeedle =
-    1e-4f;  // squared sine below which a triangle's plane is not to be trusted
+/// Of the squared sum of the squared sides: with a lesser squared area a plane is not to be trusted.
+constexpr float kNeedle = 1e-5f;
 
 /// By value: with references compilers branch.
 float lesser(float a, float b) { return a < b ? a : b; }
@@ -34,9 +34,9 @@ float squared_distance(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& 
   const float area = squared_norm(n), height = dot(n, ap);
   const float inside =
       lesser(lesser(dot(cross(n, ab), ap), dot(cross(n, bc), bp)), dot(cross(n, ca), cp));
-  const float width = area - kNeedle * (squared_norm(ab) * squared_norm(bc));
-  const float to_plane = height * height / greater(area, 1e-30f);
-  return lesser(inside, width) >= 0 ? lesser(to_plane, to_sides) : to_sides;
+  const float sides = (squared_norm(ab) + squared_norm(bc)) + squared_norm(ca);
+  const float to_plane = area > kNeedle * (sides * sides) ? height * height / area : to_sides;
+  return inside >= 0 ? lesser(to_plane, to_sides) : to_sides;
 }
 
 Box box_round(std::span<const Vec3> points, float margin) {
@@ -52,17 +52,19 @@ Box box_round(std::span<const Vec3> points, float margin) {
 }  // namespace
 
 void NearTriangles::take_up(std::span<const Vec3> points) {
-  origin_ = points[0];
-  size_ = 0;
   const Box box = box_round(points, limit_);
+  found_.clear();
   for_each_leaf(tree_, box, 0, [&](std::size_t leaf) {
     for (unsigned hits = meeting(tree_.levels[0][leaf], box); hits; hits &= hits - 1)
-      add(tree_.order[8 * leaf + static_cast<std::size_t>(std::countr_zero(hits))]);
+      found_.push_back(tree_.order[8 * leaf + static_cast<std::size_t>(std::countr_zero(hits))]);
   });
+  origin_ = points[0];
+  size_ = 0;
+  const std::size_t step = std::max<std::size_t>(1, (found_.size() + kMost - 1) / kMost);
+  for (std::size_t i = 0; i < found_.size(); i += step) add(found_[i]);
 }
 
 void NearTriangles::add(std::uint32_t triangle) {
-  if (size_ == kMost) return;
   for (std::size_t k = 0; k < 3; ++k) {
     const Vec3 p = vertex_at(mesh_, mesh_.triangles[3 * std::size_t{triangle} + k]) - origin_;
     corner_[3 * k][size_] = p.x;

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "stages/triangle_tree.h"
 #include "types/vec3.h"
@@ -24,7 +25,7 @@ class NearTriangles {
       : mesh_(mesh), tree_(tree), limit_(limit) {}
 
   /// Takes up those that may be within the limit of what lies between the points; of more than 64
-  /// some.
+  /// some that are spread over the others.
   void take_up(std::span<const Vec3> points);
 
   /// Those of them that are within the limit of a point for certain; it may lack some that are so
@@ -42,6 +43,7 @@ class NearTriangles {
   Vec3 origin_;
   float corner_[9][kMost] = {};  ///< relative to it: x, y and z of the first corners, and so on
   std::size_t size_ = 0;
+  std::vector<std::uint32_t> found_;
 };
 
 }  // namespace vasamesh
