@@ -124,28 +124,6 @@ TEST(Distance, OfPointsAsSearchedPlainlyInAnyOrder) {
   for (std::size_t i = 0; i < points.size(); ++i) EXPECT_NEAR(back[i], forth[i], 1e-5) << i;
 }
 
-TEST(Distance, PointsBeyondAreFoundWhereverTheyAre) {
-  const TriangleMesh fine = moved(torus(5, 2.2f, 20, 12), {0.4f, 0, 0}), coarse = torus(5, 2, 7, 5);
-  const auto backend = make_tbb_backend(2, nullptr);
-  const TriangleTree tree = build_triangle_tree(*backend, coarse);
-  const double largest = measure_distance(*backend, fine, coarse, 1, 0.05).to.maximum;
-  for (const float limit : {0.3f, 0.6f, 0.9f}) {
-    const std::vector<Vec3> found = points_beyond(*backend, limit, fine, coarse, tree);
-    ASSERT_FALSE(found.empty());
-    const std::vector<float> distances = distances_to(*backend, found, coarse, tree);
-    EXPECT_GT(*std::min_element(distances.begin(), distances.end()), limit);
-    EXPECT_GT(*std::max_element(distances.begin(), distances.end()), largest - 0.05);
-  }
-  const auto just_below = static_cast<float>(largest) - 0.02f;
-  EXPECT_FALSE(points_beyond(*backend, just_below, fine, coarse, tree).empty());
-  const auto just_above = static_cast<float>(largest) + 0.01f;
-  EXPECT_TRUE(points_beyond(*backend, just_above, fine, coarse, tree).empty());
-  const CarefulPlace aside[] = {{{5, 0, 0}, 1, 1}};
-  const Places places(aside);
-  for (const Vec3& p : points_beyond(*backend, 0.3f, fine, coarse, tree, places))
-    EXPECT_TRUE(places.hold(p, Places::kMargin));
-}
-
 TEST(Distance, StepIsInVoxelsAndLengthsInMillimetres) {
   const DistanceReport d = measure(sphere(5, 3), sphere(4, 3), 0.5);
   EXPECT_EQ(d.voxel, 0.5);

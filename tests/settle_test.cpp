@@ -24,8 +24,10 @@ constexpr float kLimit = 0.8f, kRadius = 4;
 /// A ring, its own base surface and marching cubes.
 class SettleTest : public ::testing::Test {
  protected:
-  SettleTest()
-      : scene_(*backend_, {36, 36, 16}, ring({18, 18, 8}, 11, 3.5f)),
+  SettleTest() : SettleTest({36, 36, 16}, ring({18, 18, 8}, 11, 3.5f)) {}
+
+  SettleTest(const std::array<int, 3>& size, const Solid3& solid)
+      : scene_(*backend_, size, solid),
         sizes_(make_sizes(*backend_, scene_.field, scene_.surface, {})),
         solid_{scene_.surface, scene_.surface},
         tree_(build_triangle_tree(*backend_, scene_.surface)),
@@ -38,10 +40,11 @@ class SettleTest : public ::testing::Test {
   }
 
   /// The mesh with its vertices on one side drawn together to a tenth, and one drawn out.
-  TriangleMesh damaged() const {
-    TriangleMesh mesh = mesh_;
+  TriangleMesh damaged() const { return damaged(mesh_, kSpot); }
+
+  static TriangleMesh damaged(TriangleMesh mesh, const Vec3& spot) {
     for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
-      const Vec3 from = vertex_at(mesh, v) - kSpot;
+      const Vec3 from = vertex_at(mesh, v) - spot;
       if (norm(from) > 2.5f) continue;
       for (std::size_t i = 0; i < 3; ++i)
         mesh.vertices[3 * v + i] -= 0.8f * (i == 0 ? from.x : i == 1 ? from.y : from.z);
@@ -105,6 +108,23 @@ TEST_F(SettleTest, TheSameBytesOnAnyNumberOfThreads) {
     EXPECT_EQ(one.vertices, other.vertices);
     EXPECT_EQ(one.triangles, other.triangles);
   }
+}
+
+/// A ring that is wide enough for places that are mended at the same time.
+class WideSettleTest : public SettleTest {
+ protected:
+  WideSettleTest() : SettleTest({72, 72, 16}, ring({36, 36, 8}, 28, 3.5f)) {}
+};
+
+TEST_F(WideSettleTest, PlacesApartAreMendedTogether) {
+  const TriangleMesh mesh = damaged(damaged(mesh_, {67.5f, 36, 8}), {4.5f, 36, 8});
+  const Settled one = settled(mesh, *make_tbb_backend(1, nullptr));
+  EXPECT_TRUE(one.far.empty());
+  expect_good_surface(one.mesh, Topology{1, 1, 0});
+  EXPECT_GE(measure_quality(*backend_, one.mesh).least_angle.minimum, 20);
+  const Settled two = settled(mesh, *make_tbb_backend(2, nullptr));
+  EXPECT_EQ(one.mesh.vertices, two.mesh.vertices);
+  EXPECT_EQ(one.mesh.triangles, two.mesh.triangles);
 }
 
 }  // namespace

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <span>
 
 #include "stages/curvature.h"
 #include "stages/distance.h"
@@ -19,21 +21,37 @@ std::int64_t euler_number(const TriangleMesh& closed) {
          static_cast<std::int64_t>(closed.triangle_count() / 2);
 }
 
+/// The vertices that edges lead to from each vertex, ascending: those of vertex v are
+/// target[first[v]] .. target[first[v + 1] - 1].
+struct Edges {
+  std::vector<std::uint32_t> first, target;
+
+  explicit Edges(const TriangleMesh& mesh)
+      : first(mesh.vertex_count() + 1, 0), target(mesh.triangles.size()) {
+    for (const std::uint32_t v : mesh.triangles) ++first[v + 1];
+    std::partial_sum(first.begin(), first.end(), first.begin());
+    std::vector<std::uint32_t> next(first.begin(), first.end() - 1);
+    for (std::size_t c = 0; c < mesh.triangles.size(); ++c)
+      target[next[mesh.triangles[c]]++] = mesh.triangles[c % 3 == 2 ? c - 2 : c + 1];
+    for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
+      std::sort(target.begin() + first[v], target.begin() + first[v + 1]);
+  }
+  std::span<const std::uint32_t> from(std::uint32_t v) const {
+    return std::span(target).subspan(first[v], first[v + 1] - first[v]);
+  }
+};
+
 /// The first vertices of the edges that have not one triangle on each side.
 std::vector<std::uint32_t> bad_edges(const TriangleMesh& mesh) {
-  std::vector<std::uint64_t> edges;
-  edges.reserve(mesh.triangles.size());
-  for (std::size_t t = 0; t < mesh.triangle_count(); ++t)
-    for (std::size_t i = 0; i < 3; ++i)
-      edges.push_back(std::uint64_t{mesh.triangles[3 * t + i]} << 32 |
-                      mesh.triangles[3 * t + (i + 1) % 3]);
-  std::sort(edges.begin(), edges.end());
+  const Edges edges(mesh);
   std::vector<std::uint32_t> bad;
-  for (std::size_t i = 0; i < edges.size(); ++i) {
-    const std::uint64_t back = edges[i] << 32 | edges[i] >> 32;
-    const auto [first, last] = std::equal_range(edges.begin(), edges.end(), back);
-    if (last - first != 1 || (i > 0 && edges[i] == edges[i - 1]))
-      bad.push_back(static_cast<std::uint32_t>(edges[i] >> 32));
+  for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) {
+    const std::span<const std::uint32_t> targets = edges.from(v);
+    for (std::size_t i = 0; i < targets.size(); ++i) {
+      const std::span<const std::uint32_t> back = edges.from(targets[i]);
+      if (std::count(back.begin(), back.end(), v) != 1 || (i > 0 && targets[i] == targets[i - 1]))
+        bad.push_back(v);
+    }
   }
   return bad;
 }

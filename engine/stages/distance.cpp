@@ -101,15 +101,6 @@ class Nearest {
   /// The triangle found last.
   std::uint32_t found() const { return tree_.order[last_]; }
 
-  /// Whether all of a triangle is within `limit` of one triangle of the surface: the distance from
-  /// a convex set is largest at a corner.
-  bool is_within(const std::array<Vec3, 3>& corner, std::uint32_t of, double limit) const {
-    const Triangle near = triangle(mesh_, of);
-    return std::all_of(corner.begin(), corner.end(), [&](const Vec3& p) {
-      return squared_distance({p.x, p.y, p.z}, near) <= limit * limit;
-    });
-  }
-
  private:
   void descend(int level, std::size_t node, const float (&p)[3]) {
     float squared[8];
@@ -246,109 +237,6 @@ NearestTriangles nearest_triangles(Backend& backend, std::span<const Vec3> point
       found.triangles[i] = nearest.found();
     }
   });
-  return found;
-}
-
-namespace {
-
-constexpr float kUnknown = -1;   // distance
-constexpr float kFinest = 0.2f;  // edge length that is not halved any more
-
-/// A triangle with its corners' distances, or bounds of them from above, and the triangles of the
-/// other surface that are so near.
-struct Sampled {
-  std::array<Vec3, 3> corner;
-  std::array<float, 3> distance;
-  std::array<std::uint32_t, 3> found;
-};
-
-/// Squared distance from a triangle's corners within which all of it lies, from its squared edges:
-/// the radius of the smallest circle round it.
-float squared_reach(float a, float b, float c) {
-  const float longest = std::max({a, b, c}), others = ((a + b) + c) - longest;
-  if (others <= longest) return 0.25f * longest;
-  const float squared_area = 4 * (a * b) - (a + b - c) * (a + b - c);  // 16 times
-  return squared_area > 0 ? std::min(a * b * c / squared_area, longest / 3) : 0.25f * longest;
-}
-
-/// Adds the points of a triangle, but its corners, that are farther than `limit`: it is quartered
-/// until no point of it can be, since none is farther than a corner and the way from it, or since
-/// one triangle of the other surface is near enough to all of it.
-void add_points_beyond(const Sampled& whole, float limit, float enough, Nearest& nearest,
-                       std::vector<Vec3>& found) {
-  std::array<Sampled, 3 * 16> stack;  // 3 a level stay; the edges halve from level to level
-  std::size_t size = 0;
-  stack[size++] = whole;
-  while (size > 0) {
-    const auto [corner, distance, near] = stack[--size];
-    const float a = squared_norm(corner[1] - corner[0]), b = squared_norm(corner[2] - corner[1]),
-                c = squared_norm(corner[0] - corner[2]);
-    const float farthest = std::max({distance[0], distance[1], distance[2]});
-    if (farthest + std::sqrt(squared_reach(a, b, c)) <= limit ||
-        std::max({a, b, c}) < kFinest * kFinest || size + 4 > stack.size() ||
-        std::any_of(near.begin(), near.end(),
-                    [&](std::uint32_t t) { return nearest.is_within(corner, t, double{limit}); }))
-      continue;
-    Sampled middle;
-    for (std::size_t i = 0; i < 3; ++i) {
-      const Vec3 p = 0.5f * (corner[(i + 1) % 3] + corner[(i + 2) % 3]);
-      const auto d = static_cast<float>(nearest.distance({p.x, p.y, p.z}, double{enough}));
-      if (d > limit) found.push_back(p);
-      middle.corner[i] = p;
-      middle.distance[i] = d;
-      middle.found[i] = nearest.found();
-    }
-    for (std::size_t i = 0; i < 3; ++i) {
-      const std::size_t j = (i + 1) % 3, k = (i + 2) % 3;
-      stack[size++] = {{corner[i], middle.corner[k], middle.corner[j]},
-                       {distance[i], middle.distance[k], middle.distance[j]},
-                       {near[i], middle.found[k], middle.found[j]}};
-    }
-    stack[size++] = middle;
-  }
-}
-
-}  // namespace
-
-std::vector<Vec3> points_beyond(Backend& backend, float limit, const TriangleMesh& from,
-                                const TriangleMesh& to, const TriangleTree& tree,
-                                const Places& places) {
-  // Bounds that let most triangles go without a look inside.
-  const float enough_at_vertex = 0.3f * limit, enough_inside = 0.5f * limit;
-  std::vector<float> distances(from.vertex_count(), kUnknown);
-  std::vector<std::uint32_t> near(from.vertex_count());
-  backend.run(parts_of(distances.size()), [&](std::size_t part) {
-    Nearest nearest(to, tree);
-    for (std::size_t v = part * kTriangles; v < part_end(part, distances.size()); ++v) {
-      const Vec3 p = vertex_at(from, v);
-      if (!places.empty() && !places.hold(p, Places::kMargin)) continue;
-      distances[v] =
-          static_cast<float>(nearest.distance({p.x, p.y, p.z}, double{enough_at_vertex}));
-      near[v] = nearest.found();
-    }
-  });
-  std::vector<std::vector<Vec3>> parts(parts_of(from.triangle_count()));
-  backend.run(parts.size(), [&](std::size_t part) {
-    Nearest nearest(to, tree);
-    for (std::size_t t = part * kTriangles; t < part_end(part, from.triangle_count()); ++t) {
-      const std::uint32_t* v = from.triangles.data() + 3 * t;
-      const Sampled triangle = {
-          {vertex_at(from, v[0]), vertex_at(from, v[1]), vertex_at(from, v[2])},
-          {distances[v[0]], distances[v[1]], distances[v[2]]},
-          {near[v[0]], near[v[1]], near[v[2]]}};
-      if (std::min({triangle.distance[0], triangle.distance[1], triangle.distance[2]}) != kUnknown)
-        add_points_beyond(triangle, limit, enough_inside, nearest, parts[part]);
-    }
-  });
-  std::vector<Vec3> found;
-  for (std::size_t v = 0; v < distances.size(); ++v)
-    if (distances[v] > limit) found.push_back(vertex_at(from, v));
-  for (const std::vector<Vec3>& part : parts) found.insert(found.end(), part.begin(), part.end());
-  const auto before = [](const Vec3& a, const Vec3& b) {
-    return std::array{a.x, a.y, a.z} < std::array{b.x, b.y, b.z};
-  };
-  std::sort(found.begin(), found.end(), before);
-  found.erase(std::unique(found.begin(), found.end()), found.end());
   return found;
 }
 

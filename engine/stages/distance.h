@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "backend/backend.h"
-#include "stages/places.h"
 #include "stages/triangle_tree.h"
 #include "types/vec3.h"
 #include "vasamesh/types.h"
@@ -38,14 +37,6 @@ struct DistanceReport {
 /// \throws Error bad_input, when either surface has no triangle or a vertex that is not finite.
 DistanceReport measure_distance(Backend& backend, const TriangleMesh& surface,
                                 const TriangleMesh& reference, double voxel, double step = 0.25);
-
-/// Points of one surface that are farther than `limit` from another: its vertices, and the middles
-/// of the edges of its triangles, quartered as often as is needed to leave out no part longer than
-/// 0.2; in their unit, each once. Of triangles near the places alone, if there are any.
-/// \pre as for distances_to.
-std::vector<Vec3> points_beyond(Backend& backend, float limit, const TriangleMesh& from,
-                                const TriangleMesh& to, const TriangleTree& tree,
-                                const Places& places = {});
 
 /// The distance of each point to a surface, in its unit. Quick for points near the one before.
 /// \pre the surface's vertices are finite, and the tree is that of its triangles, at least one.

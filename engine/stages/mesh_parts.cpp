@@ -20,22 +20,35 @@ Position position_of(const TriangleMesh& mesh, std::uint32_t v) {
   return {p.x, p.y, p.z};
 }
 
+/// Appends a corner to a part, with its vertex when that is new there.
+void add_corner(const TriangleMesh& mesh, std::uint32_t v, std::vector<std::uint32_t>& renamed,
+                TriangleMesh& part) {
+  if (renamed[v] == kNone) {
+    renamed[v] = static_cast<std::uint32_t>(part.vertex_count());
+    const float* p = mesh.vertices.data() + 3 * std::size_t{v};
+    part.vertices.insert(part.vertices.end(), p, p + 3);
+  }
+  part.triangles.push_back(renamed[v]);
+}
+
 }  // namespace
 
 TriangleMesh part_of(const TriangleMesh& mesh, const std::vector<std::uint8_t>& chosen) {
   TriangleMesh part;
   std::vector<std::uint32_t> renamed(mesh.vertex_count(), kNone);
-  for (std::size_t c = 0; c < mesh.triangles.size(); ++c) {
-    if (!chosen[c / 3]) continue;
-    const std::uint32_t v = mesh.triangles[c];
-    if (renamed[v] == kNone) {
-      renamed[v] = static_cast<std::uint32_t>(part.vertex_count());
-      const float* p = mesh.vertices.data() + 3 * std::size_t{v};
-      part.vertices.insert(part.vertices.end(), p, p + 3);
-    }
-    part.triangles.push_back(renamed[v]);
-  }
+  for (std::size_t c = 0; c < mesh.triangles.size(); ++c)
+    if (chosen[c / 3]) add_corner(mesh, mesh.triangles[c], renamed, part);
   return part;
+}
+
+std::vector<TriangleMesh> parts_of(const TriangleMesh& mesh, const std::vector<std::uint8_t>& part,
+                                   std::size_t count) {
+  std::vector<TriangleMesh> parts(count);
+  std::vector<std::uint32_t> renamed(mesh.vertex_count(), kNone);
+  for (std::size_t c = 0; c < mesh.triangles.size(); ++c)
+    if (const std::size_t p = part[c / 3]; p > 0)
+      add_corner(mesh, mesh.triangles[c], renamed, parts[p - 1]);
+  return parts;
 }
 
 TriangleMesh joined(TriangleMesh first, const TriangleMesh& second) {

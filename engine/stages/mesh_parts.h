@@ -13,6 +13,11 @@ namespace vasamesh {
 /// The chosen triangles of a mesh (a byte a triangle), and the vertices that they have.
 TriangleMesh part_of(const TriangleMesh& mesh, const std::vector<std::uint8_t>& chosen);
 
+/// Several parts at once. \param part  a byte a triangle: 0 where it is in none, i where it is in
+/// the i-th of `count`; no two of them share a vertex.
+std::vector<TriangleMesh> parts_of(const TriangleMesh& mesh, const std::vector<std::uint8_t>& part,
+                                   std::size_t count);
+
 /// One mesh and another, nothing shared.
 TriangleMesh joined(TriangleMesh first, const TriangleMesh& second);
 

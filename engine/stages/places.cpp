@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <unordered_map>
 
 #include "types/mesh_vertex.h"
 
@@ -88,13 +89,55 @@ std::vector<std::uint8_t> vertices_in(Backend& backend, const Places& places,
   return within;
 }
 
+namespace {
+
+/// The centres of places in the cells of a grid, to find whether one is near a point.
+class Centres {
+ public:
+  explicit Centres(float near) : near_(near), inverse_side_(0.99f / near) {}
+
+  void add(const Vec3& p) { cells_[key_at(cell(p.x), cell(p.y), cell(p.z))].push_back(p); }
+
+  bool any_near(const Vec3& p) const {
+    for (std::int64_t z = -1; z <= 1; ++z)
+      for (std::int64_t y = -1; y <= 1; ++y)
+        for (std::int64_t x = -1; x <= 1; ++x) {
+          const auto found = cells_.find(key_at(cell(p.x) + x, cell(p.y) + y, cell(p.z) + z));
+          if (found != cells_.end() &&
+              std::any_of(found->second.begin(), found->second.end(), [&](const Vec3& centre) {
+                return squared_norm(p - centre) < near_ * near_;
+              }))
+            return true;
+        }
+    return false;
+  }
+
+ private:
+  std::int64_t cell(float x) const {
+    return static_cast<std::int64_t>(std::floor(inverse_side_ * x));
+  }
+  static std::uint64_t key_at(std::int64_t x, std::int64_t y, std::int64_t z) {
+    constexpr std::int64_t kShift = 1 << 20;
+    return key_of(static_cast<std::uint64_t>(x + kShift), static_cast<std::uint64_t>(y + kShift),
+                  static_cast<std::uint64_t>(z + kShift));
+  }
+
+  float near_, inverse_side_;
+  std::unordered_map<std::uint64_t, std::vector<Vec3>> cells_;
+};
+
+}  // namespace
+
 void add_places(std::span<const Vec3> points, float radius, float factor,
                 std::vector<CarefulPlace>& places) {
-  for (const Vec3& p : points)
-    if (std::none_of(places.begin(), places.end(), [&](const CarefulPlace& place) {
-          return squared_norm(p - place.centre) < 0.25f * (radius * radius);
-        }))
-      places.push_back({p, radius, factor});
+  if (points.empty()) return;
+  Centres centres(0.5f * radius);
+  for (const CarefulPlace& place : places) centres.add(place.centre);
+  for (const Vec3& p : points) {
+    if (centres.any_near(p)) continue;
+    centres.add(p);
+    places.push_back({p, radius, factor});
+  }
 }
 
 std::vector<CarefulPlace> places_at(std::span<const Vec3> points, float radius, float factor) {

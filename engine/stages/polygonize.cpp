@@ -93,7 +93,7 @@ Polygonizer::Polygonizer(Scheduler& scheduler, const Lattice& lattice,
   sizing.on_host(View<const std::uint8_t>(lattice.state.view()));
   backend_.run(2, [&](std::size_t half) {  // each half has work of one thread alone
     if (half == 0) {
-      base_tree_ = build_triangle_tree(backend_, base_);
+      base_tree_ = build_tree_in_order(backend_, base_);
     } else {
       solid_ = marching_cubes_of(backend_, lattice, scale);
       solid_tree_ = build_triangle_tree(backend_, solid_.common);

@@ -5,11 +5,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <iterator>
+#include <numeric>
 #include <span>
 #include <utility>
 
 #include "stages/approach.h"
-#include "stages/distance.h"
+#include "stages/far_points.h"
 #include "stages/intersect.h"
 #include "stages/mesh_parts.h"
 #include "stages/patch_blocks.h"
@@ -37,6 +38,7 @@ constexpr std::size_t kChain = 3, kHalf = 12;  // tries
 constexpr float kPart[] = {1, 0.6f};           // of the place's radius, half by half
 constexpr int kAgain = 2;  // that a try is brought near again: one move may leave other points far
 constexpr std::size_t kWork = 3, kLeastWork = 100000;  // of all tries: times the mesh's triangles
+constexpr std::size_t kTogether = 8;                   // places that are mended at the same time
 constexpr float kMending = 2;  // voxel lengths round a triangle of poor shape
 constexpr float kBlock = 32;   // voxel lengths
 constexpr int kMendingRounds = 2, kEveningPasses = 4, kWideningPasses = 12;
@@ -106,15 +108,55 @@ std::vector<CarefulPlace> graded(std::span<const CarefulPlace> places) {
   return balls;
 }
 
-/// A byte a triangle: whether all its corners are in the places.
-std::vector<std::uint8_t> triangles_in(Backend& backend, const Places& places,
-                                       const TriangleMesh& mesh) {
-  const std::vector<std::uint8_t> vertices = vertices_in(backend, places, mesh);
-  std::vector<std::uint8_t> triangles(mesh.triangle_count());
-  for (std::size_t t = 0; t < triangles.size(); ++t)
-    triangles[t] = vertices[mesh.triangles[3 * t]] && vertices[mesh.triangles[3 * t + 1]] &&
-                   vertices[mesh.triangles[3 * t + 2]];
-  return triangles;
+/// A place, and what has been cut out round it to be mended by itself.
+struct Cutting {
+  CarefulPlace place;
+  TriangleMesh mesh, solid;
+  Faults faults;  ///< that are left in the end
+  bool is_better = false;
+  std::size_t work = 0;  ///< triangles that the tries have worked on
+
+  static constexpr float kReached = kSpread + kReach;  // beyond the place: of its work
+  Places reached() const { return wider(std::span(&place, 1), kReached); }
+};
+
+/// A byte a triangle: whether all its corners lie in what is cut out round one of the places, and
+/// of which, from 1 on; else 0.
+/// \pre the places are apart.
+std::vector<std::uint8_t> cuttings_of(Backend& backend, std::span<const CarefulPlace> places,
+                                      const TriangleMesh& mesh) {
+  constexpr std::size_t kTask = 4096;
+  std::vector<std::uint8_t> vertex(mesh.vertex_count(), 0);
+  backend.run((vertex.size() + kTask - 1) / kTask, [&](std::size_t task) {
+    for (std::size_t v = task * kTask; v < std::min((task + 1) * kTask, vertex.size()); ++v)
+      for (std::size_t i = 0; i < places.size(); ++i)
+        if (places[i].holds(vertex_at(mesh, v), Cutting::kReached + kCollar))
+          vertex[v] = static_cast<std::uint8_t>(i + 1);
+  });
+  std::vector<std::uint8_t> triangle(mesh.triangle_count());
+  for (std::size_t t = 0; t < triangle.size(); ++t) {
+    const std::uint32_t* v = &mesh.triangles[3 * t];
+    if (vertex[v[0]] == vertex[v[1]] && vertex[v[1]] == vertex[v[2]]) triangle[t] = vertex[v[0]];
+  }
+  return triangle;
+}
+
+/// Whether what is cut out round one place is apart from what is cut out round the other.
+bool are_apart(const CarefulPlace& a, const CarefulPlace& b) {
+  constexpr float kSlack = 0.01f;
+  const float reach = (a.radius + b.radius) + 2 * (Cutting::kReached + kCollar) + kSlack;
+  return squared_norm(a.centre - b.centre) > reach * reach;
+}
+
+/// The first places, at most kTogether, that are apart from all that wait before them.
+std::vector<std::size_t> next_places(std::span<const CarefulPlace> places,
+                                     std::span<const std::size_t> waiting) {
+  std::vector<std::size_t> next;
+  for (std::size_t i = 0; i < waiting.size() && next.size() < kTogether; ++i)
+    if (std::all_of(waiting.begin(), waiting.begin() + static_cast<std::ptrdiff_t>(i),
+                    [&](std::size_t w) { return are_apart(places[w], places[waiting[i]]); }))
+      next.push_back(waiting[i]);
+  return next;
 }
 
 class Settling {
@@ -160,8 +202,9 @@ class Settling {
 
   /// \param solid  the segmentation's marching cubes, or what of it is near.
   /// \param places  if any: where the mesh is new. \param known  points too far before.
+  /// \param met  if known: where triangles met before.
   Faults faults_of(const TriangleMesh& mesh, const TriangleMesh& solid, const Places& places,
-                   const std::vector<Vec3>& known) const {
+                   const std::vector<Vec3>& known, const std::vector<Vec3>* met = nullptr) const {
     Faults faults;
     if (!places.empty())
       std::copy_if(known.begin(), known.end(), std::back_inserter(faults.far),
@@ -172,7 +215,8 @@ class Settling {
           points_beyond(backend_, kMostShare * bounds_.limit, mesh, bounds_.solid.common,
                         bounds_.solid_tree, places)})
       faults.far.insert(faults.far.end(), found.begin(), found.end());
-    faults.meeting = centres_of(mesh, find_intersections(backend_, mesh, tree).pairs);
+    faults.meeting = met ? meeting_in(places, mesh, *met)
+                         : centres_of(mesh, find_intersections(backend_, mesh, tree).pairs);
     find_poor_triangles(mesh, faults);
     return faults;
   }
@@ -183,7 +227,8 @@ class Settling {
     if (faults.far.empty()) return faults;
     const std::vector<CarefulPlace> places = places_at(faults.far, kMending, 1);
     TriangleMesh nearer = approached(bounds_.solid.all, Places(places), mesh);
-    Faults left = faults_of(nearer, bounds_.solid.all, wider(places, kReach), faults.far);
+    Faults left =
+        faults_of(nearer, bounds_.solid.all, wider(places, kReach), faults.far, &faults.meeting);
     if (left.counts() >= faults.counts()) return faults;
     mesh = std::move(nearer);
     return left;
@@ -203,46 +248,108 @@ class Settling {
   }
 
   /// Tries to make a place better: chains of tries, each chain from the best so far.
-  /// \param work  triangles that may still be worked on; goes down by those that were.
-  /// \return the faults left in the place, and near it where they have moved.
-  std::vector<Vec3> mend(const CarefulPlace& place, std::size_t& work, Settled& settled) const {
-    const std::span own(&place, 1);
-    const float reach = kSpread + place.radius + kReach;
-    const Places zone = wider(own, reach + kCollar), reached = wider(own, reach);
-    const std::vector<std::uint8_t> chosen = triangles_in(backend_, zone, settled.mesh);
-    const TriangleMesh solid =
-        part_of(bounds_.solid.all, triangles_in(backend_, zone, bounds_.solid.all));
-    TriangleMesh best = part_of(settled.mesh, chosen);
-    if (best.triangles.empty()) return {};
-    Faults fewest = faults_of(best, solid, reached, {});
-    const auto at_first = fewest.counts();
+  /// \param most  triangles that may be worked on.
+  void mend(std::size_t most, Cutting& cut) const {
+    if (cut.mesh.triangles.empty()) return;
+    const std::span own(&cut.place, 1);
+    const Places reached = cut.reached();
+    cut.faults = faults_of(cut.mesh, cut.solid, reached, {});
     TriangleMesh mesh;
     Faults faults;
     for (std::size_t i = 0; i < std::size(kFactors); ++i) {
       if (i % kChain == 0) {
-        mesh = best;
-        faults = fewest;
+        mesh = cut.mesh;
+        faults = cut.faults;
       }
       const Places spots = i == 0 ? Places(own) : wider(own, kSpread);
       const std::vector<CarefulPlace> places =
-          places_at(faults.within(spots), kPart[i / kHalf] * place.radius, kFactors[i]);
+          places_at(faults.within(spots), kPart[i / kHalf] * cut.place.radius, kFactors[i]);
       if (places.empty() && i % kChain == 0) break;
       if (places.empty()) continue;
-      work -= std::min(work, mesh.triangle_count());
-      if (work == 0) break;
-      faults = remake(places, solid, reached, mesh);
-      if (faults.counts() >= fewest.counts()) continue;
-      best = mesh;
-      fewest = faults;
+      cut.work += mesh.triangle_count();
+      if (cut.work >= most) break;
+      faults = remake(places, cut.solid, reached, mesh);
+      if (faults.counts() >= cut.faults.counts()) continue;
+      cut.mesh = mesh;
+      cut.faults = faults;
+      cut.is_better = true;
     }
-    if (fewest.counts() == at_first) return {};
-    settled.mesh = with_part(settled.mesh, chosen, best);
-    std::erase_if(settled.far, [&](const Vec3& p) { return reached.hold(p, Places::kMargin); });
-    settled.far.insert(settled.far.end(), fewest.far.begin(), fewest.far.end());
-    return fewest.within(reached);
+  }
+
+  /// Mends places that are apart at the same time. \return what is left of each.
+  std::vector<Cutting> mend_together(std::span<const CarefulPlace> places, std::size_t most,
+                                     Settled& settled) const {
+    std::vector<std::uint8_t> cutting = cuttings_of(backend_, places, settled.mesh);
+    std::vector<TriangleMesh> meshes = parts_of(settled.mesh, cutting, places.size());
+    std::vector<TriangleMesh> solids = parts_of(
+        bounds_.solid.all, cuttings_of(backend_, places, bounds_.solid.all), places.size());
+    std::vector<Cutting> cuts(places.size());
+    backend_.run(places.size(), [&](std::size_t i) {
+      cuts[i] = {places[i], std::move(meshes[i]), std::move(solids[i]), {}, false, 0};
+      mend(most, cuts[i]);
+    });
+    put_back(cuts, std::move(cutting), settled);
+    return cuts;
+  }
+
+  /// Mends all places and those that come of that, in turn: each finds the surface as those before
+  /// it that reach as far have left it. \param work  triangles that may be worked on, about.
+  void mend_all(std::vector<CarefulPlace> places, float radius, std::size_t work,
+                Settled& settled) const {
+    for (std::size_t first = 0; first < places.size() && work > 0;) {
+      const std::size_t end = places.size();
+      std::vector<std::size_t> waiting(end - first);
+      std::iota(waiting.begin(), waiting.end(), first);
+      std::vector<std::vector<Vec3>> left(end);
+      while (!waiting.empty() && work > 0) {
+        const std::vector<std::size_t> next = next_places(places, waiting);
+        std::vector<CarefulPlace> together;
+        for (const std::size_t i : next) together.push_back(places[i]);
+        const std::vector<Cutting> cuts = mend_together(together, work, settled);
+        for (std::size_t i = 0; i < cuts.size(); ++i) {
+          work -= std::min(work, cuts[i].work);
+          if (cuts[i].is_better) left[next[i]] = cuts[i].faults.within(cuts[i].reached());
+          std::erase(waiting, next[i]);
+        }
+      }
+      for (; first < end; ++first) add_places(left[first], radius, 1, places);
+    }
   }
 
  private:
+  /// Puts those that are better in the place of what was cut out.
+  static void put_back(std::span<const Cutting> cuts, std::vector<std::uint8_t> cutting,
+                       Settled& settled) {
+    TriangleMesh better;
+    for (const Cutting& cut : cuts)
+      if (cut.is_better) better = joined(std::move(better), cut.mesh);
+    if (better.triangles.empty()) return;
+    for (std::uint8_t& c : cutting) c = c > 0 && cuts[c - 1].is_better;
+    settled.mesh = with_part(settled.mesh, cutting, better);
+    for (const Cutting& cut : cuts) {
+      if (!cut.is_better) continue;
+      const Places reached = cut.reached();
+      std::erase_if(settled.far, [&](const Vec3& p) { return reached.hold(p, Places::kMargin); });
+      settled.far.insert(settled.far.end(), cut.faults.far.begin(), cut.faults.far.end());
+    }
+  }
+
+  /// Where triangles meet after the mesh has changed in the places alone.
+  std::vector<Vec3> meeting_in(const Places& places, const TriangleMesh& mesh,
+                               const std::vector<Vec3>& met) const {
+    const auto is_near = [&](const Vec3& p) { return places.hold(p, Places::kMargin); };
+    std::vector<std::uint8_t> chosen(mesh.triangle_count());
+    for (std::size_t c = 0; c < mesh.triangles.size(); ++c)
+      chosen[c / 3] |= is_near(vertex_at(mesh, mesh.triangles[c]));
+    const TriangleMesh part = part_of(mesh, chosen);
+    std::vector<Vec3> meeting = centres_of(
+        part, find_intersections(backend_, part, build_triangle_tree(backend_, part)).pairs);
+    std::erase_if(meeting, [&](const Vec3& p) { return !is_near(p); });
+    std::copy_if(met.begin(), met.end(), std::back_inserter(meeting),
+                 [&](const Vec3& p) { return !is_near(p); });
+    return meeting;
+  }
+
   Backend& backend_;
   const FieldView& field_;
   const SizeView& sizes_;
@@ -261,12 +368,8 @@ Settled settle(Backend& backend, const FieldView& field, const SizeView& sizes,
   const Faults faults = settling.bring_nearer(
       settling.faults_of(settled.mesh, bounds.solid.all, wider(within, kReach), far), settled.mesh);
   settled.far = faults.far;
-  std::size_t work = kWork * settled.mesh.triangle_count() + kLeastWork;
-  std::vector<CarefulPlace> places = places_at(faults.within({}), radius, 1);
-  for (std::size_t i = 0; i < places.size() && work > 0; ++i) {
-    const CarefulPlace place = places[i];
-    add_places(settling.mend(place, work, settled), radius, 1, places);
-  }
+  settling.mend_all(places_at(faults.within({}), radius, 1), radius,
+                    kWork * settled.mesh.triangle_count() + kLeastWork, settled);
   return settled;
 }
 

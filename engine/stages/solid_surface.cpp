@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <cstring>
 #include <span>
 #include <vector>
 
@@ -20,15 +21,22 @@ constexpr std::size_t kWords = kBrickCells / 64;
 /// The numbers of the face centres, by their nodes.
 class FaceNumbers {
  public:
-  explicit FaceNumbers(View<const std::uint8_t> state)
+  FaceNumbers(Backend& backend, View<const std::uint8_t> state)
       : words_(state.size / 64), first_(state.size / 64 + 1) {
-    for (std::size_t node = 0; node < state.size; ++node)
-      words_[node / 64] |= std::uint64_t{(state[node] & kFaceCentre) != 0} << node % 64;
+    constexpr std::size_t kTask = kBricks * kWords;
+    backend.run((words_.size() + kTask - 1) / kTask, [&](std::size_t task) {
+      for (std::size_t w = task * kTask; w < std::min((task + 1) * kTask, words_.size()); ++w)
+        for (std::size_t eight = 0; eight < 8; ++eight)
+          words_[w] |= face_bits(state.data() + 64 * w + 8 * eight) << 8 * eight;
+    });
     for (std::size_t w = 0; w < words_.size(); ++w)
       first_[w + 1] = first_[w] + static_cast<std::uint32_t>(std::popcount(words_[w]));
   }
 
   std::size_t count() const { return first_.back(); }
+  bool any_in(std::size_t brick) const {
+    return first_[(brick + 1) * kWords] > first_[brick * kWords];
+  }
   std::uint32_t at(std::size_t node) const {
     const std::uint64_t below = (std::uint64_t{1} << node % 64) - 1;
     return first_[node / 64] + static_cast<std::uint32_t>(std::popcount(words_[node / 64] & below));
@@ -43,6 +51,14 @@ class FaceNumbers {
   }
 
  private:
+  /// Bit i is set where node i of eight is a face centre.
+  static std::uint64_t face_bits(const std::uint8_t* states) {
+    static_assert(kFaceCentre == 1 << 3);
+    std::uint64_t eight;
+    std::memcpy(&eight, states, sizeof eight);
+    return ((eight >> 3 & 0x0101010101010101u) * 0x0102040810204080u) >> 56;
+  }
+
   std::vector<std::uint64_t> words_;
   std::vector<std::uint32_t> first_;
 };
@@ -89,10 +105,23 @@ void add_polygon(std::span<const std::uint32_t> corners, bool plane, Part& part)
   }
 }
 
+/// Whether any cube round a brick's lattice corners has a polygon: they reach into the bricks
+/// below.
+bool may_have_polygons(const std::int32_t* near, const FaceNumbers& faces) {
+  for (int z = -1; z <= 0; ++z)
+    for (int y = -1; y <= 0; ++y)
+      for (int x = -1; x <= 0; ++x)
+        if (const std::int32_t brick = near[brick_neighbour(x, y, z)];
+            brick != kNoBrick && faces.any_in(static_cast<std::size_t>(brick)))
+          return true;
+  return false;
+}
+
 /// The polygons of the cubes round a brick's lattice corners.
 void add_polygons(const BrickView& bricks, View<const std::uint8_t> state, std::size_t brick,
                   const FaceNumbers& faces, Part& part) {
   const std::int32_t* near = bricks.neighbours.data() + 27 * brick;
+  if (!may_have_polygons(near, faces)) return;
   for (int corner = 0; corner < 64; ++corner) {
     const int x = 2 * (corner & 3), y = 2 * (corner >> 2 & 3), z = 2 * (corner >> 4);
     const auto node = [&](NodeOffset o) { return node_at(near, x + o.x, y + o.y, z + o.z); };
@@ -115,7 +144,7 @@ void add_polygons(const BrickView& bricks, View<const std::uint8_t> state, std::
 SolidSurface marching_cubes_of(Backend& backend, const Lattice& lattice, const Scale& scale) {
   const BrickView bricks = lattice.bricks.view();
   const auto state = lattice.state.view();
-  const FaceNumbers faces(state);
+  const FaceNumbers faces(backend, state);
   SolidSurface surface;
   std::vector<float>& vertices = surface.all.vertices;
   vertices.resize(3 * faces.count());

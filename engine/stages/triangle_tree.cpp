@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
+#include <utility>
 
 namespace vasamesh {
 
@@ -123,20 +125,23 @@ std::vector<std::uint32_t> morton_order(Backend& backend, const TriangleMesh& me
   return order;
 }
 
-}  // namespace
-
-unsigned meeting(const BoxNode& node, const Box& box) {
-  float gap[8];  // the largest along the axes; in this form compilers do all eight at once
-  for (int i = 0; i < 8; ++i) {
-    const float x = std::max(node.low[0][i] - box.high[0], box.low[0] - node.high[0][i]);
-    const float y = std::max(node.low[1][i] - box.high[1], box.low[1] - node.high[1][i]);
-    const float z = std::max(node.low[2][i] - box.high[2], box.low[2] - node.high[2][i]);
-    gap[i] = std::max(std::max(x, y), z);
+TriangleTree tree_over(Backend& backend, const TriangleMesh& mesh,
+                       std::vector<std::uint32_t> order) {
+  TriangleTree tree;
+  tree.order = std::move(order);
+  if (tree.order.empty()) return tree;
+  tree.levels.push_back(make_level(backend, tree.order.size(), [&](std::size_t i) {
+    return triangle_box(mesh, tree.order[i]);
+  }));
+  while (tree.levels.back().size() > 1) {
+    const std::vector<BoxNode>& below = tree.levels.back();
+    tree.levels.push_back(
+        make_level(backend, below.size(), [&](std::size_t i) { return box_of(below[i]); }));
   }
-  unsigned mask = 0;
-  for (int i = 0; i < 8; ++i) mask |= gap[i] <= 0 ? 1u << i : 0u;
-  return mask;
+  return tree;
 }
+
+}  // namespace
 
 Box box_of(const BoxNode& node) {
   Box box = kNothing;
@@ -150,18 +155,13 @@ Box box_of(const BoxNode& node) {
 
 TriangleTree build_triangle_tree(Backend& backend, const TriangleMesh& mesh,
                                  const std::vector<std::uint8_t>& keep) {
-  TriangleTree tree;
-  tree.order = morton_order(backend, mesh, keep);
-  if (tree.order.empty()) return tree;
-  tree.levels.push_back(make_level(backend, tree.order.size(), [&](std::size_t i) {
-    return triangle_box(mesh, tree.order[i]);
-  }));
-  while (tree.levels.back().size() > 1) {
-    const std::vector<BoxNode>& below = tree.levels.back();
-    tree.levels.push_back(
-        make_level(backend, below.size(), [&](std::size_t i) { return box_of(below[i]); }));
-  }
-  return tree;
+  return tree_over(backend, mesh, morton_order(backend, mesh, keep));
+}
+
+TriangleTree build_tree_in_order(Backend& backend, const TriangleMesh& mesh) {
+  std::vector<std::uint32_t> order(mesh.triangle_count());
+  std::iota(order.begin(), order.end(), 0u);
+  return tree_over(backend, mesh, std::move(order));
 }
 
 }  // namespace vasamesh

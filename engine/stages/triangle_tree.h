@@ -5,6 +5,7 @@
 /// centres, no pointers. Node k of a level holds the boxes of nodes 8 k .. 8 k + 7 of the level
 /// below; the nodes of level 0 hold the boxes of eight triangles.
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstddef>
@@ -33,8 +34,23 @@ struct TriangleTree {
 TriangleTree build_triangle_tree(Backend& backend, const TriangleMesh& mesh,
                                  const std::vector<std::uint8_t>& keep = {});
 
+/// The same with the triangles in the order that they have: for surfaces in which those that follow
+/// one another lie near each other, as cut from a lattice brick by brick.
+TriangleTree build_tree_in_order(Backend& backend, const TriangleMesh& mesh);
+
 /// Bit i is set when box i of the node meets `box`, which is finite.
-unsigned meeting(const BoxNode& node, const Box& box);
+inline unsigned meeting(const BoxNode& node, const Box& box) {
+  float gap[8];  // the largest along the axes; in this form compilers do all eight at once
+  for (int i = 0; i < 8; ++i) {
+    const float x = std::max(node.low[0][i] - box.high[0], box.low[0] - node.high[0][i]);
+    const float y = std::max(node.low[1][i] - box.high[1], box.low[1] - node.high[1][i]);
+    const float z = std::max(node.low[2][i] - box.high[2], box.low[2] - node.high[2][i]);
+    gap[i] = std::max(std::max(x, y), z);
+  }
+  unsigned mask = 0;
+  for (int i = 0; i < 8; ++i) mask |= gap[i] <= 0 ? 1u << i : 0u;
+  return mask;
+}
 
 /// The box round all eight.
 Box box_of(const BoxNode& node);

@@ -1,0 +1,94 @@
+#include "stages/near_triangles.h"
+
+#include <algorithm>
+#include <bit>
+
+#include "types/mesh_vertex.h"
+
+namespace vasamesh {
+
+namespace {
+
+constexpr float kSure = 0.9999f;  // of a squared limit: against rounding
+/// Of the squared sum of the squared sides: with a lesser squared area a plane is not to be trusted.
+constexpr float kNeedle = 1e-5f;
+
+/// By value: with references compilers branch.
+float lesser(float a, float b) { return a < b ? a : b; }
+float greater(float a, float b) { return a > b ? a : b; }
+
+/// Squared distance from a point to the segment from `a` along `ab`, where `ap` leads from a to p.
+float squared_to_segment(const Vec3& ap, const Vec3& ab) {
+  const float length = squared_norm(ab);
+  const float s = lesser(greater(dot(ap, ab), 0.0f), length) / greater(length, 1e-30f);
+  return squared_norm(ap - s * ab);
+}
+
+/// A bound from above of the squared distance from p: to the plane over a triangle that is not a
+/// needle, else to its sides.
+float squared_distance(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
+  const Vec3 ab = b - a, bc = c - b, ca = a - c, ap = p - a, bp = p - b, cp = p - c;
+  const float to_sides = lesser(lesser(squared_to_segment(ap, ab), squared_to_segment(bp, bc)),
+                                squared_to_segment(cp, ca));
+  const Vec3 n = cross(ab, bc);
+  const float area = squared_norm(n), height = dot(n, ap);
+  const float inside =
+      lesser(lesser(dot(cross(n, ab), ap), dot(cross(n, bc), bp)), dot(cross(n, ca), cp));
+  const float sides = (squared_norm(ab) + squared_norm(bc)) + squared_norm(ca);
+  const float to_plane = area > kNeedle * (sides * sides) ? height * height / area : to_sides;
+  return inside >= 0 ? lesser(to_plane, to_sides) : to_sides;
+}
+
+Box box_round(std::span<const Vec3> points, float margin) {
+  Vec3 low = points[0], high = low;
+  for (const Vec3& p : points) {
+    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+  }
+  return {{low.x - margin, low.y - margin, low.z - margin},
+          {high.x + margin, high.y + margin, high.z + margin}};
+}
+
+}  // namespace
+
+void NearTriangles::take_up(std::span<const Vec3> points) {
+  const Box box = box_round(points, limit_);
+  found_.clear();
+  for_each_leaf(tree_, box, 0, [&](std::size_t leaf) {
+    for (unsigned hits = meeting(tree_.levels[0][leaf], box); hits; hits &= hits - 1)
+      found_.push_back(tree_.order[8 * leaf + static_cast<std::size_t>(std::countr_zero(hits))]);
+  });
+  origin_ = points[0];
+  size_ = 0;
+  const std::size_t step = std::max<std::size_t>(1, (found_.size() + kMost - 1) / kMost);
+  for (std::size_t i = 0; i < found_.size(); i += step) add(found_[i]);
+}
+
+void NearTriangles::add(std::uint32_t triangle) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vec3 p = vertex_at(mesh_, mesh_.triangles[3 * std::size_t{triangle} + k]) - origin_;
+    corner_[3 * k][size_] = p.x;
+    corner_[3 * k + 1][size_] = p.y;
+    corner_[3 * k + 2][size_] = p.z;
+  }
+  ++size_;
+}
+
+NearTriangles::Set NearTriangles::within(const Vec3& point) const {
+  const float most = kSure * (limit_ * limit_);
+  const Vec3 p = point - origin_;
+  const auto& x = corner_;
+  Set found = 0;
+  for (std::size_t eight = 0; eight < size_; eight += 8) {
+    float squared[8];
+    for (std::size_t i = 0; i < 8; ++i) {
+      const std::size_t at = eight + i;
+      squared[i] = squared_distance(p, {x[0][at], x[1][at], x[2][at]},
+                                    {x[3][at], x[4][at], x[5][at]}, {x[6][at], x[7][at], x[8][at]});
+    }
+    for (std::size_t i = 0; i < 8; ++i) found |= Set{squared[i] <= most} << (eight + i);
+  }
+  return size_ < kMost ? found & ((Set{1} << size_) - 1) : found;
+}
+
+}  // namespace vasamesh
