@@ -122,10 +122,11 @@ static FieldSample field_project(const Field *field, float reach, int steps,
   return sample.value * sample.value <= near * near * squared ? sample : none;
 }
 
-kernel __attribute__((BRICK_GROUP)) void field_subtract(VIEW(float, a), VIEW(const float, b)) {
-  TAKE(a);
+kernel __attribute__((BRICK_GROUP)) void field_add(float factor, VIEW(const float, b),
+                                                   VIEW(float, a)) {
   TAKE(b);
+  TAKE(a);
   const size_t first = get_group_id(0) * BRICK_ROWS;
   for (int row = get_local_id(0); row < BRICK_ROWS; row += BRICK_ITEMS)
-    vstore8(vload8(first + row, a) - vload8(first + row, b), first + row, a);
+    vstore8(vload8(first + row, a) + factor * vload8(first + row, b), first + row, a);
 }

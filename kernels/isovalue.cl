@@ -78,18 +78,15 @@ kernel __attribute__((BRICK_GROUP)) void poisson_sample_points(
 kernel __attribute__((BRICK_GROUP)) void isovalue_splat(
     int exponent, float per_voxel, int reach, VIEW(const int, coords), int index_side,
     VIEW(const int, index), VIEW(const uint, voxel_start), VIEW(const float, position_x),
-    VIEW(const float, position_y), VIEW(const float, position_z), VIEW(const float, area_x),
-    VIEW(const float, area_y), VIEW(const float, area_z), VIEW(const float, values),
-    VIEW(float, numerator), VIEW(float, denominator)) {
+    VIEW(const float, position_y), VIEW(const float, position_z), VIEW(const float, weights),
+    VIEW(const float, values), VIEW(float, numerator), VIEW(float, denominator)) {
   TAKE(coords);
   TAKE(index);
   TAKE(voxel_start);
   TAKE(position_x);
   TAKE(position_y);
   TAKE(position_z);
-  TAKE(area_x);
-  TAKE(area_y);
-  TAKE(area_z);
+  TAKE(weights);
   TAKE(values);
   TAKE(numerator);
   TAKE(denominator);
@@ -102,8 +99,8 @@ kernel __attribute__((BRICK_GROUP)) void isovalue_splat(
   for (int i = 0; i < 8 * OWN_ROWS; ++i) num[i] = den[i] = 0.0f;
   FOR_POINT_RUNS(box, run) {
     for (uint p = run.x; p < run.y; ++p) {
-      const float ax = area_x[p], ay = area_y[p], az = area_z[p];
-      const float area = sqrt((ax * ax + ay * ay) + az * az), value = values[p];
+      const float weight = weights[p], value = values[p];
+      if (weight == 0) continue;
       const float3 at =
           ((float3)(position_x[p], position_y[p], position_z[p]) - corner) * per_voxel;
       const IsovalueTaps tx = isovalue_taps(at.x), ty = isovalue_taps(at.y),
@@ -114,7 +111,7 @@ kernel __attribute__((BRICK_GROUP)) void isovalue_splat(
             isovalue_weight(&ty, y - ty.first) * isovalue_weight(&tz, z - tz.first);
         const int row = 8 * OWN_ROW(8 * z + y);
         for (int x = max(tx.first, 0); x < min(tx.first + 3, 8); ++x) {
-          const float w = area * (isovalue_weight(&tx, x - tx.first) * across);
+          const float w = weight * (isovalue_weight(&tx, x - tx.first) * across);
           num[row + x] += w * value;
           den[row + x] += w;
         }

@@ -359,16 +359,49 @@ TEST_F(IndicatorFunction, FieldAtTheSamplesAveragesToZero) {
   EXPECT_NEAR(mean(), -kOutwardBias, 0.01);
 }
 
+// A lattice of struts one voxel wide: the middles of the struts and the branchings lie on the zero
+// set alike, so that neither is a thread and neither swells.
+TEST_F(IndicatorFunction, ThinVesselsKeepTheirWidthBetweenBranchings) {
+  DenseVolume volume({27, 27, 27});
+  for (const int i : {5, 13, 21})
+    for (const int j : {5, 13, 21})
+      volume.box({5, i, j}, {21, i, j}).box({i, 5, j}, {i, 21, j}).box({i, j, 5}, {i, j, 21});
+  sample(volume.view());
+  solve();
+  subtract_isovalue(*backend_, points_, scale_, octree_);
+  const SplineField refined = field(-1);
+  const PointView p = points_.view();
+  std::array<double, 2> sum{}, count{};
+  for (std::size_t i = 0; i < p.count; ++i) {
+    const Position at = {p.position[0][i], p.position[1][i], p.position[2][i]};
+    double farthest = 0;  // from the nearest branching, along a strut
+    for (const double a : at) farthest = std::max(farthest, std::fabs(std::remainder(a - (kPad + 5.5), 8)));
+    if (farthest > 1.6 && farthest < 3) continue;
+    const std::size_t kind = farthest < 2 ? 0 : 1;
+    sum[kind] += refined.at(at);
+    ++count[kind];
+  }
+  ASSERT_GT(count[0], 100);
+  ASSERT_GT(count[1], 100);
+  EXPECT_NEAR(sum[0] / count[0], 0, 0.05);
+  EXPECT_NEAR(sum[1] / count[1], 0, 0.05);
+}
+
 TEST_F(IndicatorFunction, IsovalueIsTheWeightedMean) {
   const DenseVolume volume = ball(17, 6.3);
   sample(volume.view());
   const OctreeLevel& level = octree_.at_exponent(1);
   const std::vector<float> at_points = random_floats(points_.count, 2);
+  std::vector<float> of_points = random_floats(points_.count, 3);
+  for (std::size_t i = 0; i < of_points.size(); ++i)
+    of_points[i] = i % 5 == 0 ? 0 : std::fabs(of_points[i]);
   const auto values = to_backend(*backend_, at_points);
+  const auto point_weights = to_backend(*backend_, of_points);
   const std::size_t cells = level.coords.size() * kBrickCells;
   Buffer<float> mean(*backend_, cells), weight(*backend_, cells);
   backend_->isovalue_splat(level.view(), index_points(*backend_, level, points_).view(),
-                           points_.view(), values.view(), mean.view(), weight.view());
+                           points_.view(), point_weights.view(), values.view(), mean.view(),
+                           weight.view());
   const PointView p = points_.view();
   for (std::size_t i = 0; i < cells; i += 7) {
     const BrickCoord b = level.coords[i / kBrickCells];
@@ -376,7 +409,7 @@ TEST_F(IndicatorFunction, IsovalueIsTheWeightedMean) {
     const double cell[3] = {8.0 * b.x + c % 8, 8.0 * b.y + c / 8 % 8, 8.0 * b.z + c / 64};
     double numerator = 0, denominator = 0;
     for (std::size_t k = 0; k < p.count; ++k) {
-      double w = std::hypot(p.area[0][k], p.area[1][k], p.area[2][k]);
+      double w = of_points[k];
       for (std::size_t axis = 0; axis < 3; ++axis)
         w *= reference::bspline(p.position[axis][k] / 2 - cell[axis] - 0.5);
       numerator += w * at_points[k];

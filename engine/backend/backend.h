@@ -242,11 +242,12 @@ class Backend : public Memory {
                                      const PointView& points, View<const float> coefficients,
                                      View<float> values) = 0;
 
-  /// numerator = sum of |area| B value, denominator = sum of |area| B over the points, B the
-  /// level's own quadratic B-spline round each cell.
+  /// numerator = sum of weight B value, denominator = sum of weight B over the points, B the level's
+  /// own quadratic B-spline round each cell.
   virtual void isovalue_splat(const LevelView& level, const PointIndex& index,
-                              const PointView& points, View<const float> values,
-                              View<float> numerator, View<float> denominator) = 0;
+                              const PointView& points, View<const float> weights,
+                              View<const float> values, View<float> numerator,
+                              View<float> denominator) = 0;
 
   /// out(c) = tap * in(c - e) + (1 - 2 tap) * in(c) + tap * in(c + e), e along `axis`.
   virtual void isovalue_smooth(const LevelView& level, int axis, float tap, View<const float> in,
@@ -256,8 +257,8 @@ class Backend : public Memory {
   virtual void isovalue_divide(float fallback, View<const float> denominator,
                                View<float> numerator) = 0;
 
-  /// a -= b.
-  virtual void field_subtract(View<float> a, View<const float> b) = 0;
+  /// a += factor b.
+  virtual void field_add(float factor, View<const float> b, View<float> a) = 0;
 
   // --- Cell lattice (engine/stages/lattice.h). ---------------------------------------------------
   // Nodes half a voxel apart in bricks of 8^3; LatticeBit of types/lattice.h names the bits.

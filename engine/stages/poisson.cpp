@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
+#include <utility>
+#include <vector>
 
 #include "stages/bricks.h"
 
@@ -39,17 +42,79 @@ void smooth_axis(Backend& backend, const LevelView& level, int axis, float varia
   backend.isovalue_smooth(level, axis, tap, scratch.view(), values.view());
 }
 
-/// Area-weighted mean of the values over all points.
-float mean_value(Backend& backend, const PointView& points, View<const float> values) {
-  for (const View<const float>& axis : points.area) backend.on_host(axis);
-  double sum = 0, weight = 0;
-  for (std::size_t i = 0; i < points.count; ++i) {
-    const double ax = points.area[0][i], ay = points.area[1][i], az = points.area[2][i];
-    const double area = std::sqrt(ax * ax + ay * ay + az * az);
-    sum += area * values[i];
-    weight += area;
+/// Sums over the samples round each place, as splines of a level: of values, each times its
+/// sample's weight, and of the weights.
+struct LocalSums {
+  Buffer<float> values, weights;
+};
+
+LocalSums sum_locally(Backend& backend, const OctreeLevel& level, const PointCloud& points,
+                      std::span<const float> weights, View<const float> values) {
+  Buffer<float> of_points(backend, points.count);
+  backend.upload<float>(of_points.view(), weights);
+  LocalSums sums = {Buffer<float>(backend, cells(level)), Buffer<float>(backend, cells(level))};
+  backend.isovalue_splat(level.view(), index_points(backend, level, points).view(), points.view(),
+                         std::as_const(of_points).view(), values, sums.values.view(),
+                         sums.weights.view());
+  return sums;
+}
+
+/// Widens the kernel of the sums to a Gaussian of `sigma` voxel lengths.
+void widen(Backend& backend, const OctreeLevel& level, const Scale& scale, float sigma,
+           LocalSums& sums) {
+  Buffer<float> scratch(backend, cells(level));
+  for (int axis = 0; axis < 3; ++axis) {
+    const float side = std::ldexp(scale[static_cast<std::size_t>(axis)], level.exponent);
+    const float variance = (sigma / side) * (sigma / side) - 0.5f;  // splat, spline: a quarter each
+    smooth_axis(backend, level.view(), axis, variance, sums.values, scratch);
+    smooth_axis(backend, level.view(), axis, variance, sums.weights, scratch);
   }
-  return weight > 0 ? static_cast<float>(sum / weight) : 0.5f;
+}
+
+/// What the local isovalue weighs the samples by: their areas, shared out to the narrow kernel of
+/// thin vessels and to the wide one.
+struct SampleWeights {
+  std::vector<float> narrow, wide;
+  float mean = 0.5f;  ///< area-weighted, of the values
+};
+
+SampleWeights weigh(Backend& backend, const PointView& points, View<const float> values) {
+  for (const View<const float>& axis : points.area) backend.on_host(axis);
+  backend.on_host(points.thickness);
+  constexpr float kCellsOfWide = 8;  // of the narrow kernel's level: sums count by cells of theirs
+  constexpr Kernel kShare = {0, 1};
+  SampleWeights weights{std::vector<float>(points.count), std::vector<float>(points.count)};
+  double sum = 0, all = 0;
+  for (std::size_t i = 0; i < points.count; ++i) {
+    const float ax = points.area[0][i], ay = points.area[1][i], az = points.area[2][i];
+    const float area = std::sqrt((ax * ax + ay * ay) + az * az);
+    const float share = kShare.at(points.thickness[i]);
+    weights.wide[i] = area * share;
+    weights.narrow[i] = kCellsOfWide * (area * (1 - share));
+    sum += double{area} * values[i];
+    all += area;
+  }
+  if (all > 0) weights.mean = static_cast<float>(sum / all);
+  return weights;
+}
+
+/// The values' local mean on the regular level.
+Buffer<float> local_mean(Backend& backend, const PointCloud& points, const Scale& scale,
+                         const Octree& octree, View<const float> values) {
+  const SampleWeights weights = weigh(backend, points.view(), values);
+  const OctreeLevel &regular = octree.at_exponent(0), &coarse = octree.at_exponent(1);
+  LocalSums sums = sum_locally(backend, regular, points, weights.narrow, values);
+  LocalSums wide = sum_locally(backend, coarse, points, weights.wide, values);
+  widen(backend, coarse, scale, kIsovalueSigma, wide);
+  Buffer<float> finer(backend, cells(regular));
+  const auto add = [&](const Buffer<float>& from, Buffer<float>& to) {
+    backend.poisson_prolong(regular.view(), regular.parents.view(), from.view(), finer.view());
+    backend.field_add(1, std::as_const(finer).view(), to.view());
+  };
+  add(wide.values, sums.values);
+  add(wide.weights, sums.weights);
+  backend.isovalue_divide(weights.mean, std::as_const(sums.weights).view(), sums.values.view());
+  return std::move(sums.values);
 }
 
 }  // namespace
@@ -156,30 +221,15 @@ void subtract_isovalue(Backend& backend, const PointCloud& points, const Scale& 
                                   points.view(), level.solution.view(), at_points.view());
   }
   for (float& value : backend.on_host(at_points.view())) value += kOutwardBias;
-  const float mean_at_points = mean_value(backend, points.view(), at_points.view());
-  // Its normalised Gaussian mean, as a spline of the level of two voxels a cell.
-  const OctreeLevel& coarse = octree.at_exponent(1);
-  Buffer<float> mean(backend, cells(coarse)), weight(backend, cells(coarse)),
-      scratch(backend, cells(coarse));
-  backend.isovalue_splat(coarse.view(), index_points(backend, coarse, points).view(), points.view(),
-                         at_points.view(), mean.view(), weight.view());
-  for (int axis = 0; axis < 3; ++axis) {
-    const float sigma = kIsovalueSigma / (2.0f * scale[static_cast<std::size_t>(axis)]);
-    const float variance = sigma * sigma - 0.5f;  // the splat and the spline have a quarter each
-    smooth_axis(backend, coarse.view(), axis, variance, mean, scratch);
-    smooth_axis(backend, coarse.view(), axis, variance, weight, scratch);
-  }
-  backend.isovalue_divide(mean_at_points, weight.view(), mean.view());
-
+  const Buffer<float> isovalue =
+      local_mean(backend, points, scale, octree, std::as_const(at_points).view());
   OctreeLevel& regular = octree.at_exponent(0);
-  Buffer<float> isovalue(backend, cells(regular));
-  backend.poisson_prolong(regular.view(), regular.parents.view(), mean.view(), isovalue.view());
-  backend.field_subtract(regular.solution.view(), isovalue.view());
+  backend.field_add(-1, isovalue.view(), regular.solution.view());
   if (!octree.has_refined()) return;
   OctreeLevel& refined = octree.at_exponent(-1);
   Buffer<float> finer(backend, cells(refined));
   backend.poisson_prolong(refined.view(), refined.parents.view(), isovalue.view(), finer.view());
-  backend.field_subtract(refined.solution.view(), finer.view());
+  backend.field_add(-1, std::as_const(finer).view(), refined.solution.view());
 }
 
 }  // namespace vasamesh

@@ -25,7 +25,9 @@ inline constexpr int kLevelIterations = 12;
 /// Knot distance of the splatting kernel where the vessel is thin, in voxel lengths.
 inline constexpr float kThinKernel = 0.75f;
 
-/// Standard deviation of the local isovalue's kernel, in voxel lengths.
+/// Standard deviation of the local isovalue's kernel where the vessel is thick, in voxel lengths.
+/// Where it is thin the kernel is that of the regular level's splines, 0.7 cells: a mean over more
+/// lets the branchings of thin vessels swell and draws what lies between them to threads.
 inline constexpr float kIsovalueSigma = 2.0f;
 
 /// Taken off beside the local isovalue: samples in the concave corners of the voxels' steps lie

@@ -21,12 +21,13 @@ void OpenClBackend::poisson_sample_points(const LevelView& level, const PointInd
 }
 
 void OpenClBackend::isovalue_splat(const LevelView& level, const PointIndex& index,
-                                   const PointView& points, View<const float> values,
-                                   View<float> numerator, View<float> denominator) {
+                                   const PointView& points, View<const float> weights,
+                                   View<const float> values, View<float> numerator,
+                                   View<float> denominator) {
   const int reach = static_cast<int>(2 * std::ldexp(1.0, level.exponent)) + 1;  // voxels
   launch("isovalue_splat", level.bricks.count, shape_.brick_items, level.exponent,
          cells_a_voxel(level), reach, level.bricks.coords, index.side, index.bricks,
-         index.voxel_start, points.position, points.area, values, numerator, denominator);
+         index.voxel_start, points.position, weights, values, numerator, denominator);
 }
 
 void OpenClBackend::isovalue_smooth(const LevelView& level, int axis, float tap,
@@ -41,8 +42,8 @@ void OpenClBackend::isovalue_divide(float fallback, View<const float> denominato
          numerator);
 }
 
-void OpenClBackend::field_subtract(View<float> a, View<const float> b) {
-  launch("field_subtract", a.size / kBrickCells, shape_.brick_items, a, b);
+void OpenClBackend::field_add(float factor, View<const float> b, View<float> a) {
+  launch("field_add", a.size / kBrickCells, shape_.brick_items, factor, b, a);
 }
 
 }  // namespace vasamesh

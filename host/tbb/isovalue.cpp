@@ -88,8 +88,9 @@ void TbbBackend::poisson_sample_points(const LevelView& level, const PointIndex&
 }
 
 void TbbBackend::isovalue_splat(const LevelView& level, const PointIndex& index,
-                                const PointView& points, View<const float> values,
-                                View<float> numerator, View<float> denominator) {
+                                const PointView& points, View<const float> weights,
+                                View<const float> values, View<float> numerator,
+                                View<float> denominator) {
   const float per_voxel = std::ldexp(1.0f, -level.exponent);
   const int reach = static_cast<int>(2 * std::ldexp(1.0, level.exponent)) + 1;  // voxels
   for_each(level.bricks.count, kGrain, [=](std::size_t brick) {
@@ -106,15 +107,15 @@ void TbbBackend::isovalue_splat(const LevelView& level, const PointIndex& index,
     std::fill_n(num, kBrickCells, 0.0f);
     std::fill_n(den, kBrickCells, 0.0f);
     const auto add = [&](std::uint32_t p) {
+      const float weight = weights[p];
+      if (weight == 0) return;
       const auto tap = [&](int i) { return Taps((points.position[i][p] - corner[i]) * per_voxel); };
       const Taps x = tap(0), y = tap(1), z = tap(2);
       if (x.first < -2 || x.first > 7) return;
-      const float ax = points.area[0][p], ay = points.area[1][p], az = points.area[2][p];
-      const float area = std::sqrt((ax * ax + ay * ay) + az * az);
       const Row along = x.row();
       for (int k = std::max(z.first, 0); k < std::min(z.first + 3, 8); ++k)
         for (int j = std::max(y.first, 0); j < std::min(y.first + 3, 8); ++j) {
-          const Row w = area * (along * (y.weight[j - y.first] * z.weight[k - z.first]));
+          const Row w = weight * (along * (y.weight[j - y.first] * z.weight[k - z.first]));
           const int row = brick_cell(0, j, k);
           store_row(num + row, load_row(num + row) + w * values[p]);
           store_row(den + row, load_row(den + row) + w);
@@ -158,9 +159,10 @@ void TbbBackend::isovalue_divide(float fallback, View<const float> denominator,
   });
 }
 
-void TbbBackend::field_subtract(View<float> a, View<const float> b) {
+void TbbBackend::field_add(float factor, View<const float> b, View<float> a) {
   for_each(a.size / kBrickCells, 64, [=](std::size_t brick) {
-    for (std::size_t c = kBrickCells * brick; c < kBrickCells * (brick + 1); ++c) a[c] -= b[c];
+    for (std::size_t c = kBrickCells * brick; c < kBrickCells * (brick + 1); ++c)
+      a[c] += factor * b[c];
   });
 }
 

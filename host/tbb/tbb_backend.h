@@ -85,13 +85,13 @@ class TbbBackend final : public Backend {
                              const PointView& points, View<const float> coefficients,
                              View<float> values) override;
   void isovalue_splat(const LevelView& level, const PointIndex& index, const PointView& points,
-                      View<const float> values, View<float> numerator,
+                      View<const float> weights, View<const float> values, View<float> numerator,
                       View<float> denominator) override;
   void isovalue_smooth(const LevelView& level, int axis, float tap, View<const float> in,
                        View<float> out) override;
   void isovalue_divide(float fallback, View<const float> denominator,
                        View<float> numerator) override;
-  void field_subtract(View<float> a, View<const float> b) override;
+  void field_add(float factor, View<const float> b, View<float> a) override;
   void lattice_mark(const BitView& object, const BrickView& bricks,
                     const std::array<int, 3>& radius, View<std::uint8_t> used) override;
   void lattice_label(const BitView& object, int connectivity, const BrickView& bricks,
