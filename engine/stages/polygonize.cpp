@@ -132,21 +132,24 @@ bool Polygonizer::is_worthwhile(const Topology& topology) const {
 }
 
 std::optional<TriangleMesh> Polygonizer::next() {
-  switch (plan_) {
-    case Plan::expand:
-      last_ = expanded();
-      break;
-    case Plan::redo:
-      last_ = redone();
-      break;
-    case Plan::remesh:
-      last_ = remeshed();
-      break;
-    case Plan::stop:
-      return std::nullopt;
+  while (plan_ != Plan::stop) {
+    last_ = made();
+    ++report_.attempts;
+    if (has_topology_) return in_voxels(last_);
+    plan_after(find_defects(backend_, base_, base_tree_, last_, true));
   }
-  ++report_.attempts;
-  return in_voxels(last_);
+  return std::nullopt;
+}
+
+TriangleMesh Polygonizer::made() {
+  switch (plan_) {
+    case Plan::redo:
+      return redone();
+    case Plan::remesh:
+      return remeshed();
+    default:
+      return expanded();
+  }
 }
 
 Verdict Polygonizer::judge(const CheckReport& check) {
@@ -298,10 +301,11 @@ TriangleMesh Polygonizer::remeshed() {
 }
 
 /// The surface, settled in the bounds where it has changed since the last that was; as it is where
-/// its topology is wrong, since it fails its proof and is made again.
+/// its topology is wrong, since it would fail its proof and is made again.
 TriangleMesh Polygonizer::settled(TriangleMesh mesh) {
   scheduler_.begin("settle", Stage::mesh);
-  if (!has_topology_of(base_, mesh)) return mesh;
+  has_topology_ = has_topology_of(base_, mesh);
+  if (!has_topology_) return mesh;
   const Bounds bounds = {base_, base_tree_, solid_, solid_tree_, limit_};
   const std::span<const CarefulPlace> within = settled_ ? changed_ : std::span<CarefulPlace>();
   Settled result = settle(backend_, field_.view(), sizes_.view(field_), bounds, place_radius(),

@@ -50,7 +50,8 @@ class Polygonizer {
   ///
   /// First that of mesh expanding, then the same with the places that failed made again from the
   /// base surface, with ever shorter edges and at last as it is there. If none of these is proven,
-  /// the base surface remeshed as a whole, with the same care.
+  /// the base surface remeshed as a whole, with the same care. Those that cannot have the right
+  /// topology are not given out.
   std::optional<TriangleMesh> next();
 
   /// Judges the surface that next() gave last by its proof, by how far it leaves the segmentation
@@ -64,6 +65,7 @@ class Polygonizer {
 
   void aim(double triangles);
   bool count_is_right(std::int64_t triangles);
+  TriangleMesh made();
   TriangleMesh expanded();
   TriangleMesh redone();
   TriangleMesh remeshed();
@@ -99,6 +101,7 @@ class Polygonizer {
   std::vector<CarefulPlace> places_;  ///< where attempts have failed
   std::size_t first_fresh_ = 0;       ///< of the places: those of the last attempt follow
   TriangleMesh last_;                 ///< voxel lengths
+  bool has_topology_ = false;         ///< the last surface has the base surface's, it seems
   bool settled_ = false;              ///< the last surface is, but in
   std::vector<CarefulPlace> changed_;
   MeshReport report_;
