@@ -262,32 +262,50 @@ static uint far_bits(BRICK_SHARED const uchar *row, uchar bit) {
   return byte_bits(vload8(0, row) / bit & (uchar8)(1));
 }
 
-/// Row (y, z) of the face centres from -1, and their distances.
-static uint far_measure_faces(const FarTest *test, int y, int z, BRICK_SHARED float *from_face) {
+/// The nodes of a row of a brick that lie in some of its octants (bit dx + 2 dy + 4 dz), bit x.
+static uint far_octant_row(uint octants, int y, int z) {
+  const uint along = octants >> (2 * (y >> 2) + 4 * (z >> 2));
+  return (along & 1) * 0x0f | (along >> 1 & 1) * 0xf0;
+}
+
+/// Those of row (y, z), each -1..7, that lie there or one node beside, bit x + 1.
+static uint far_beside_octants(uint octants, int y, int z) {
+  uint row = 0;
+  for (int i = 0; i < 4; ++i)
+    row |= far_octant_row(octants, i & 1 ? max(y - 1, 0) : min(y + 1, 7),
+                          i & 2 ? max(z - 1, 0) : min(z + 1, 7));
+  return row | row << 1 | row << 2;
+}
+
+/// Row (y, z) of the face centres from -1, and the distances of those that are asked for.
+static uint far_measure_faces(const FarTest *test, uint octants, int y, int z,
+                              BRICK_SHARED float *from_face) {
   BRICK_SHARED const uchar *row = test->halo + far_at(-1, y, z);
   const uint faces =
       far_bits(row, LATTICE_FACE_CENTRE) | (uint)((row[8] & LATTICE_FACE_CENTRE) != 0) << 8;
-  for (uint rest = faces; rest; rest &= rest - 1) {
+  for (uint rest = faces & far_beside_octants(octants, y, z); rest; rest &= rest - 1) {
     const int3 at = (int3)(lowest_bit(rest) - 1, y, z);
     from_face[far_face_index(at)] = far_surface_distance(test, at);
   }
   return faces;
 }
 
-/// The nodes of row (y, z) that are far.
-static uint far_row_marks(const FarTest *test, int y, int z) {
+/// The nodes of row (y, z) that are far, of those in some octants.
+static uint far_row_marks(const FarTest *test, uint octants, int y, int z) {
+  const uint asked = far_octant_row(octants, y, z);
   BRICK_SHARED const uchar *row = test->halo + far_at(0, y, z);
   const uint centres = far_bits(row, LATTICE_FACE_CENTRE);
   uint far = 0;
-  for (uint rest = centres; rest; rest &= rest - 1) {
+  for (uint rest = centres & asked; rest; rest &= rest - 1) {
     const int x = lowest_bit(rest);
     far |= (uint)(test->from_face[far_face_index((int3)(x, y, z))] > test->limit) << x;
   }
   if (!((y | z) & 1))
-    for (int x = 0; x < 8; x += 2) far |= (uint)far_cube(test, (int3)(x, y, z)) << x;
+    for (int x = 0; x < 8; x += 2)
+      if (asked >> x & 1) far |= (uint)far_cube(test, (int3)(x, y, z)) << x;
   // The crossings of relabelled nodes' edges. Only such nodes have far ones.
   const uint relabelled = far_bits(row, LATTICE_LABEL) ^ far_bits(row, LATTICE_SOLID);
-  for (uint rest = relabelled & ~centres & ~far; rest; rest &= rest - 1) {
+  for (uint rest = relabelled & asked & ~centres & ~far; rest; rest &= rest - 1) {
     const int x = lowest_bit(rest);
     far |= (uint)far_crossings(test, (int3)(x, y, z)) << x;
   }
@@ -327,7 +345,8 @@ kernel __attribute__((BRICK_GROUP)) void lattice_mark_far(
   global const int *near = neighbours + neighbours_first + brick * NEIGHBOURS;
   marks += marks_first + brick * BRICK_CELLS;
   uint count = 0;
-  if (active[active_first + brick]) {
+  const uint octants = active[active_first + brick];
+  if (octants) {
     FAR_LOAD(halo, near, state);
     for (int i = get_local_id(0); i < beside_count; i += BRICK_ITEMS)
       beside_step[i] = far_step(beside + beside_first + i);
@@ -352,10 +371,10 @@ kernel __attribute__((BRICK_GROUP)) void lattice_mark_far(
     vstore4(edge_length.s0123, 0, test.edge_length);
     vstore3(edge_length.s456, 0, test.edge_length + 4);
     for (int i = get_local_id(0); i < FAR_FACES * FAR_FACES; i += BRICK_ITEMS)
-      face_rows[i] = far_measure_faces(&test, i % FAR_FACES - 1, i / FAR_FACES - 1, from_face);
+      face_rows[i] = far_measure_faces(&test, octants, i % FAR_FACES - 1, i / FAR_FACES - 1, from_face);
     BRICK_SYNC();
     for (int row = get_local_id(0); row < BRICK_ROWS; row += BRICK_ITEMS) {
-      const uint far = far_row_marks(&test, row & 7, row >> 3);
+      const uint far = far_row_marks(&test, octants, row & 7, row >> 3);
       for (int x = 0; x < 8; ++x) marks[8 * row + x] = far >> x & 1 ? LATTICE_FAR_MARK : 0;
       count += popcount(far);
     }

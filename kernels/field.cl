@@ -58,6 +58,13 @@ static bool field_bricks(const Field *field, int3 node, int3 low, int *bricks) {
   return true;
 }
 
+/// The coefficient of a node: `side` says which of the bricks along x and y, `place` where in them.
+static float field_coefficient(const Field *field, const int *bricks, int3 low, int side, int place,
+                               int z) {
+  const size_t brick = bricks[side + 4 * ((z >> 3) - low.z)];
+  return field->coefficients[brick * BRICK_CELLS + place + 64 * (z & 7)];
+}
+
 static FieldSample field_sample(const Field *field, float3 p) {
   FieldSample sample = {0.0f, (float3)(0.0f), false};
   const float3 at = p * field->inverse_step;
@@ -72,28 +79,31 @@ static FieldSample field_sample(const Field *field, float3 p) {
   field_weights(t.x, wx, sx);
   field_weights(t.y, wy, sy);
   field_weights(t.z, wz, sz);
-  for (int k = 0; k < 3; ++k) {
-    const int z = node.z + k - 1;
-    float plane = 0, plane_x = 0, plane_y = 0;
-    for (int j = 0; j < 3; ++j) {
-      const int y = node.y + j - 1;
-      const int side = 2 * ((y >> 3) - low.y) + 4 * ((z >> 3) - low.z);
-      float row = 0, row_x = 0;
-      for (int i = 0; i < 3; ++i) {
-        const int x = node.x + i - 1;
-        const float c = field->coefficients[(size_t)bricks[side + ((x >> 3) - low.x)] * BRICK_CELLS +
-                                            (x & 7) + 8 * (y & 7) + 64 * (z & 7)];
-        row += wx[i] * c;
-        row_x += sx[i] * c;
-      }
-      plane += wy[j] * row;
-      plane_x += wy[j] * row_x;
-      plane_y += sy[j] * row;
+  float4 plane = (float4)(0.0f), plane_x = plane, plane_y = plane;  // lanes go along z
+  for (int j = 0; j < 3; ++j) {
+    float4 row = (float4)(0.0f), row_x = row;
+    for (int i = 0; i < 3; ++i) {
+      const int x = node.x + i - 1, y = node.y + j - 1;
+      const int side = ((x >> 3) - low.x) + 2 * ((y >> 3) - low.y), place = (x & 7) + 8 * (y & 7);
+      const float4 c = (float4)(field_coefficient(field, bricks, low, side, place, node.z - 1),
+                                field_coefficient(field, bricks, low, side, place, node.z),
+                                field_coefficient(field, bricks, low, side, place, node.z + 1),
+                                0.0f);
+      row += wx[i] * c;
+      row_x += sx[i] * c;
     }
-    sample.value += wz[k] * plane;
-    sample.gradient.x += wz[k] * plane_x;
-    sample.gradient.y += wz[k] * plane_y;
-    sample.gradient.z += sz[k] * plane;
+    plane += wy[j] * row;
+    plane_x += wy[j] * row_x;
+    plane_y += sy[j] * row;
+  }
+  const float plane_at[3] = {plane.x, plane.y, plane.z},
+              plane_x_at[3] = {plane_x.x, plane_x.y, plane_x.z},
+              plane_y_at[3] = {plane_y.x, plane_y.y, plane_y.z};
+  for (int k = 0; k < 3; ++k) {
+    sample.value += wz[k] * plane_at[k];
+    sample.gradient.x += wz[k] * plane_x_at[k];
+    sample.gradient.y += wz[k] * plane_y_at[k];
+    sample.gradient.z += sz[k] * plane_at[k];
   }
   sample.gradient *= field->inverse_step;
   sample.known = true;

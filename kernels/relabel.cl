@@ -292,7 +292,7 @@ kernel __attribute__((BRICK_GROUP)) void lattice_blend(
       const int2 least = relabel_nearest_marks(rows, reach, x, row);
       const float rest = 1.0f - (float)least.x * inverse;
       if (rest <= 0) continue;
-      within = 1;
+      within |= 1u << ((x >> 2) + 2 * (row >> 2 & 1) + 4 * (row >> 5));
       const bool keep = (float)least.y < radius * radius;
       const float blend = strength * (rest * rest);
       const int cell = 8 * row + x;

@@ -337,7 +337,8 @@ TEST_P(CellLattice, BlendChangesNothingBeyondItsRadius) {
       if (nearest >= radius) {
         ASSERT_EQ(value, before[node]) << node;
       } else {
-        reached[node / kBrickCells] = 1;
+        reached[node / kBrickCells] |=
+            static_cast<std::uint8_t>(1u << ((x >> 2 & 1) + 2 * (y >> 2 & 1) + 4 * (z >> 2 & 1)));
         const double part = 1 - nearest * nearest / (radius * radius);
         // Beside the solid's own value, which is within 0.5 of zero.
         EXPECT_NEAR(value, (1 - part * part) * before[node], 0.5 * part * part + 1e-5) << node;
@@ -363,23 +364,22 @@ TEST_P(CellLattice, FarMarksAreWhereLabelsHaveLeftTheSolid) {
   backend().lattice_label(bits.view(), 26, bricks.view(), {3, 3, 3}, labels.view());
   std::vector<std::uint8_t> state = to_host<const std::uint8_t>(backend(), labels.view());
   Buffer<std::uint8_t> marks(backend(), nodes);
-  const auto far = [&](std::uint8_t active_bricks) {
+  const auto far = [&](std::uint8_t octants) {
     std::vector<float> values;
     for (const std::uint8_t s : state) values.push_back(s & kLabel ? 0.5f : -0.5f);
-    const auto active =
-        to_backend(backend(), std::vector<std::uint8_t>(bricks.count, active_bricks));
+    const auto active = to_backend(backend(), std::vector<std::uint8_t>(bricks.count, octants));
     backend().fill(marks.view(), kStuckMark);
     return backend().lattice_mark_far(bricks.view(), active.view(), {1, 1, 1}, 0.8f,
                                       to_backend(backend(), state).view(),
                                       to_backend(backend(), values).view(), marks.view());
   };
-  EXPECT_EQ(far(1), 0u);
+  EXPECT_EQ(far(0xff), 0u);
 
   const int end = 2 * (kPad + high[0]), retreat = 5;  // nodes along x
   visit_nodes(bricks.view(), [&](std::size_t node, int x, int, int) {
     if (x > end - retreat) state[node] = static_cast<std::uint8_t>(state[node] & ~kLabel);
   });
-  const std::uint32_t count = far(1);
+  const std::uint32_t count = far(0xff);
   const auto marked = to_host<const std::uint8_t>(backend(), marks.view());
   std::uint32_t centres = 0, seen = 0;
   visit_nodes(bricks.view(), [&](std::size_t node, int x, int y, int z) {
@@ -395,9 +395,14 @@ TEST_P(CellLattice, FarMarksAreWhereLabelsHaveLeftTheSolid) {
   EXPECT_EQ(seen, count);
   EXPECT_EQ(centres, 8u * 6u);
 
-  EXPECT_EQ(far(0), 0u);
-  const auto none = to_host<const std::uint8_t>(backend(), marks.view());
-  EXPECT_EQ(std::count(none.begin(), none.end(), 0), static_cast<std::ptrdiff_t>(nodes));
+  for (const std::uint8_t octants : {0x01, 0x90, 0x00}) {
+    far(octants);
+    const auto some = to_host<const std::uint8_t>(backend(), marks.view());
+    visit_nodes(bricks.view(), [&](std::size_t node, int x, int y, int z) {
+      const int octant = (x >> 2 & 1) + 2 * (y >> 2 & 1) + 4 * (z >> 2 & 1);
+      ASSERT_EQ(some[node], octants >> octant & 1 ? marked[node] : 0) << x << " " << y << " " << z;
+    });
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Backends, CellLattice, ::testing::ValuesIn(backend_names()), test_name);

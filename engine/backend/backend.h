@@ -282,7 +282,7 @@ class Backend : public Memory {
 
   /// How many nodes of each colour (the parities of x, y, z: bit 0, 1, 2) and brick may change and
   /// have a label that is not the value's sign: counts[colour * bricks.count + b]. None in bricks
-  /// that are not `active`.
+  /// whose `active` is 0.
   virtual void relabel_count(const BrickView& bricks, View<const std::uint8_t> active,
                              View<const std::uint8_t> state, View<const float> values,
                              View<std::uint32_t> counts) = 0;
@@ -293,8 +293,8 @@ class Backend : public Memory {
 
   /// Flips the labels of the listed nodes (all of one colour, so that none sees another) that are
   /// simple and whose |value| is at least `threshold`, and lists those that it leaves, in the same
-  /// order, in `left` (as large as `nodes`). \return how many are left; when they all are, `left` may
-  /// not be written.
+  /// order, in `left` (as large as `nodes`). \return how many are left; when they all are, `left`
+  /// is undefined.
   virtual std::uint32_t relabel_sweep(const BrickView& bricks, View<const std::uint8_t> simple,
                                       View<const float> values, float threshold,
                                       View<const std::uint32_t> nodes, View<std::uint8_t> state,
@@ -307,8 +307,8 @@ class Backend : public Memory {
   /// Marks nodes where the labels leave the solid's marching-cubes surface too far, by more than
   /// `limit` (voxel lengths): centres of boundary faces, and corners round which lie polygons of a
   /// marching cube, without the surface near; and relabelled nodes with a crossed edge whose
-  /// crossing is far from every such centre and side of a polygon. marks: a byte a node, 0 in
-  /// bricks that are not `active`. \return how many.
+  /// crossing is far from every such centre and side of a polygon. marks: a byte a node, 0
+  /// outside of the octants of bricks (bit dx + 2 dy + 4 dz) that are `active`. \return how many.
   virtual std::uint32_t lattice_mark_far(const BrickView& bricks, View<const std::uint8_t> active,
                                          const Scale& scale, float limit,
                                          View<const std::uint8_t> state, View<const float> values,
@@ -317,8 +317,8 @@ class Backend : public Memory {
   /// Leads the values near marked nodes back to the solid's: value = (1 - d) value + d g,
   /// d = strength (1 - distance^2 / radius^2)^2 to the nearest mark, g from the occupancy round the
   /// node (its quadratic B-spline when `smooth`, else linear), kept on the side of the solid's
-  /// label where a kStuckMark is within the radius. `radius` in nodes, at most 8. changed[b] = 1
-  /// where a node of brick b lies within the radius of a mark, else 0.
+  /// label where a kStuckMark is within the radius. `radius` in nodes, at most 8. changed[b]: the
+  /// octants of brick b (bits as above) with a node within the radius of a mark.
   virtual void lattice_blend(const BrickView& bricks, View<const std::uint8_t> marks, float radius,
                              float strength, bool smooth, View<const std::uint8_t> state,
                              View<float> values, View<std::uint8_t> changed) = 0;

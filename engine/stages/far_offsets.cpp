@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 
 #include "types/lattice.h"
 
@@ -48,6 +49,19 @@ FarOffsets make_far_offsets(const Scale& scale, float limit) {
   offsets.beside = offsets_within(scale, std::max(limit, longest), kBesideReach);
   std::erase_if(offsets.beside, [&](const FarOffset& o) { return !o.edge && o.length > limit; });
   return offsets;
+}
+
+std::array<int, 3> far_reach(const FarOffsets& offsets) {
+  constexpr int kOctant = 4;  // nodes
+  std::array<int, 3> nodes{1, 1, 1};
+  for (const auto* list : {&offsets.beside, &offsets.search})
+    for (const FarOffset& o : *list) {
+      const std::array<int, 3> step = {o.x, o.y, o.z};
+      // Edges lead one node on; faces lie one node from their cube's corner.
+      for (std::size_t a = 0; a < 3; ++a) nodes[a] = std::max(nodes[a], std::abs(step[a]) + 1);
+    }
+  for (int& reach : nodes) reach = (reach + kOctant - 1) / kOctant;
+  return nodes;
 }
 
 }  // namespace vasamesh

@@ -30,4 +30,8 @@ struct FarOffsets {
 /// \param limit  voxel lengths.
 FarOffsets make_far_offsets(const Scale& scale, float limit);
 
+/// How many octants of bricks along each axis, 1 or 2, a value or label lies at most from the nodes
+/// whose test it takes part in.
+std::array<int, 3> far_reach(const FarOffsets& offsets);
+
 }  // namespace vasamesh

@@ -4,6 +4,7 @@
 #include <span>
 
 #include "stages/close_handles.h"
+#include "stages/far_offsets.h"
 #include "stages/lattice.h"
 #include "stages/link.h"
 
@@ -39,11 +40,13 @@ struct Pending {
   std::size_t buffer = 0;
 };
 
+constexpr std::uint8_t kAllOctants = 0xff;
+
 /// One relabelling of a lattice: lists, sweeps, what is left.
 class Relabelling {
  public:
   Relabelling(Backend& backend, Lattice& lattice)
-      : backend_(backend), lattice_(lattice), active_(lattice.bricks.count, 1) {
+      : backend_(backend), lattice_(lattice), active_(lattice.bricks.count, kAllOctants) {
     const auto table = make_simple_table();
     simple_ = Buffer<std::uint8_t>(backend, table.size());
     backend.upload<std::uint8_t>(simple_.view(), table);
@@ -83,7 +86,7 @@ class Relabelling {
   /// Marks stuck nodes and those that left the solid too far. \return how many are too far.
   std::uint32_t mark(const Scale& scale, View<std::uint8_t> marks) {
     const float limit = kDistanceShare * distance_limit(scale);
-    upload(active_and_round_them());
+    upload(active_and_round_them(far_reach(make_far_offsets(scale, limit))));
     const std::uint32_t far =
         backend_.lattice_mark_far(lattice_.bricks.view(), active_view_.view(), scale, limit,
                                   lattice_.state.view(), lattice_.values.view(), marks);
@@ -92,8 +95,8 @@ class Relabelling {
     return far;
   }
 
-  /// Leads the field back to the solid round the marks; the bricks that this changes are the active
-  /// ones from then on: whatever is stuck is marked, so that no label flips elsewhere.
+  /// Leads the field back to the solid round the marks; the octants that this changes are the
+  /// active ones from then on: whatever is stuck is marked, so that no label flips elsewhere.
   void repair(View<const std::uint8_t> marks, const Repair& repair) {
     backend_.lattice_blend(lattice_.bricks.view(), marks, repair.radius, repair.strength,
                            repair.smooth, lattice_.state.view(), lattice_.values.view(),
@@ -143,22 +146,33 @@ class Relabelling {
     backend_.upload(active_view_.view(), active);
   }
 
-  /// The active bricks and those that their values and labels can bring near or far.
-  std::vector<std::uint8_t> active_and_round_them() {
+  /// The active octants and those up to `reach` from them along each axis.
+  std::vector<std::uint8_t> active_and_round_them(const std::array<int, 3>& reach) {
     std::vector<std::uint8_t> grown = active_;
+    if (std::all_of(grown.begin(), grown.end(),
+                    [](auto octants) { return octants == kAllOctants; }))
+      return grown;
     const auto neighbours =
         backend_.on_host(View<const std::int32_t>(lattice_.bricks.neighbours.view()));
-    for (std::size_t b = 0; b < grown.size(); ++b)
-      for (std::size_t n = 0; n < 27 && !grown[b]; ++n) {
-        const std::int32_t other = neighbours[27 * b + n];
-        grown[b] = other != kNoBrick && active_[static_cast<std::size_t>(other)];
+    for (std::size_t b = 0; b < active_.size(); ++b)
+      for (int octant = 0; octant < 8; ++octant) {
+        if (!(active_[b] >> octant & 1)) continue;
+        for (int z = (octant >> 2) - reach[2]; z <= (octant >> 2) + reach[2]; ++z)
+          for (int y = (octant >> 1 & 1) - reach[1]; y <= (octant >> 1 & 1) + reach[1]; ++y)
+            for (int x = (octant & 1) - reach[0]; x <= (octant & 1) + reach[0]; ++x) {
+              const int n = brick_neighbour(x >> 1, y >> 1, z >> 1);
+              const std::int32_t other = neighbours[27 * b + static_cast<std::size_t>(n)];
+              if (other == kNoBrick) continue;
+              grown[static_cast<std::size_t>(other)] |=
+                  static_cast<std::uint8_t>(1u << ((x & 1) + 2 * (y & 1) + 4 * (z & 1)));
+            }
       }
     return grown;
   }
 
   Backend& backend_;
   Lattice& lattice_;
-  std::vector<std::uint8_t> active_;  ///< bricks whose values have changed
+  std::vector<std::uint8_t> active_;  ///< octants of bricks whose values have changed
   Buffer<std::uint8_t> active_view_;
   Buffer<std::uint8_t> simple_;
   Buffer<std::uint32_t> counts_;

@@ -34,12 +34,15 @@ class FaceNumbers {
   }
 
   std::size_t count() const { return first_.back(); }
-  bool any_in(std::size_t brick) const {
-    return first_[(brick + 1) * kWords] > first_[brick * kWords];
-  }
   std::uint32_t at(std::size_t node) const {
     const std::uint64_t below = (std::uint64_t{1} << node % 64) - 1;
     return first_[node / 64] + static_cast<std::uint32_t>(std::popcount(words_[node / 64] & below));
+  }
+
+  /// Row (y, z) of a brick's face centres, bit x.
+  std::uint32_t row(std::size_t brick, int y, int z) const {
+    return static_cast<std::uint32_t>(
+        words_[brick * kWords + static_cast<std::size_t>(z)] >> 8 * y & 0xffu);
   }
 
   /// visit(node) for a brick's face centres.
@@ -61,6 +64,30 @@ class FaceNumbers {
 
   std::vector<std::uint64_t> words_;
   std::vector<std::uint32_t> first_;
+};
+
+/// The lattice corners of a brick that have face centres beside them.
+class CornersNear {
+ public:
+  /// \param near  the brick's entries of the neighbour table.
+  CornersNear(const FaceNumbers& faces, const std::int32_t* near) {
+    const auto row = [&](int dx, int y, int z) {
+      const std::int32_t brick = near[brick_neighbour(dx, y >> 3, z >> 3)];
+      return brick == kNoBrick ? 0u : faces.row(static_cast<std::size_t>(brick), y & 7, z & 7);
+    };
+    for (int z = -1; z < 8; ++z)
+      for (int y = -1; y < 8; ++y) rows_[z + 1][y + 1] = row(-1, y, z) >> 7 | row(0, y, z) << 1;
+  }
+
+  bool has(int x, int y, int z) const {
+    std::uint32_t any = 0;
+    for (int k = z; k < z + 3; ++k)
+      for (int j = y; j < y + 3; ++j) any |= rows_[k][j];
+    return (any >> x & 7) != 0;
+  }
+
+ private:
+  std::uint32_t rows_[9][9];  // z, y from -1; bit x + 1
 };
 
 /// Whether the corners of a polygon (of kCubeFaces) lie in a plane, whatever the spacings.
@@ -105,25 +132,14 @@ void add_polygon(std::span<const std::uint32_t> corners, bool plane, Part& part)
   }
 }
 
-/// Whether any cube round a brick's lattice corners has a polygon: they reach into the bricks
-/// below.
-bool may_have_polygons(const std::int32_t* near, const FaceNumbers& faces) {
-  for (int z = -1; z <= 0; ++z)
-    for (int y = -1; y <= 0; ++y)
-      for (int x = -1; x <= 0; ++x)
-        if (const std::int32_t brick = near[brick_neighbour(x, y, z)];
-            brick != kNoBrick && faces.any_in(static_cast<std::size_t>(brick)))
-          return true;
-  return false;
-}
-
 /// The polygons of the cubes round a brick's lattice corners.
 void add_polygons(const BrickView& bricks, View<const std::uint8_t> state, std::size_t brick,
                   const FaceNumbers& faces, Part& part) {
   const std::int32_t* near = bricks.neighbours.data() + 27 * brick;
-  if (!may_have_polygons(near, faces)) return;
+  const CornersNear corners_near(faces, near);
   for (int corner = 0; corner < 64; ++corner) {
     const int x = 2 * (corner & 3), y = 2 * (corner >> 2 & 3), z = 2 * (corner >> 4);
+    if (!corners_near.has(x, y, z)) continue;
     const auto node = [&](NodeOffset o) { return node_at(near, x + o.x, y + o.y, z + o.z); };
     const MarchingCube cube([&](NodeOffset o) {
       const std::size_t at = node(o);

@@ -58,12 +58,12 @@ class FarTest {
     }
   }
 
-  /// Marks the brick's nodes. \return how many are far.
-  std::uint32_t mark(std::size_t brick, std::uint8_t* marks) const {
+  /// Marks the nodes of some octants of a brick. \return how many are far.
+  std::uint32_t mark(std::size_t brick, std::uint32_t octants, std::uint8_t* marks) const {
     const std::int32_t* near = bricks_.neighbours.data() + 27 * brick;
     const Place place = {near, StateHalo(near, state_)};
     FacesNear faces;
-    measure_faces(place, faces);
+    measure_faces(place, octants, faces);
     Crossings crossings;
     std::fill_n(marks, kBrickCells, std::uint8_t{0});
     std::uint32_t count = 0;
@@ -75,15 +75,18 @@ class FarTest {
           if (far) mark = kFarMark;
         };
         const std::uint8_t* row = place.halo.values + StateHalo::at(0, y, z);
+        const std::uint32_t asked = octant_row(octants, y, z);
+        if (asked == 0) continue;
         const std::uint32_t centres = byte_bits(load_bytes(row), kFaceCentre);
-        for_each_bit(centres,
+        for_each_bit(centres & asked,
                      [&](int x) { set(x, faces.distance[FacesNear::at(x, y, z)] > limit_); });
         if (!((y | z) & 1))
-          for (int x = 0; x < 8; x += 2) set(x, cube_is_far(place, faces, {x, y, z}, crossings));
+          for (int x = 0; x < 8; x += 2)
+            if (asked >> x & 1) set(x, cube_is_far(place, faces, {x, y, z}, crossings));
         // The crossings of relabelled nodes' edges. Only such nodes have far ones.
         const std::uint32_t relabelled =
             byte_bits(load_bytes(row), kLabel) ^ byte_bits(load_bytes(row), kSolid);
-        for_each_bit(relabelled & ~centres, [&](int x) {
+        for_each_bit(relabelled & ~centres & asked, [&](int x) {
           if (marks[brick_cell(x, y, z)] == 0) set(x, crossings_are_far(place, {x, y, z}));
         });
       }
@@ -151,14 +154,16 @@ class FarTest {
     return best;
   }
 
-  void measure_faces(const Place& place, FacesNear& faces) const {
+  void measure_faces(const Place& place, std::uint32_t octants, FacesNear& faces) const {
     for (int z = -1; z < 8; ++z)
       for (int y = -1; y < 8; ++y) {
         const std::uint8_t* row = place.halo.values + StateHalo::at(0, y, z);
+        const std::uint32_t wanted = beside_octants(octants, y, z);
         std::uint32_t bits = 0;
         const auto take = [&](int x) {
           bits |= 1u << (x + 1);
-          faces.distance[FacesNear::at(x, y, z)] = surface_distance(place, {x, y, z});
+          if (wanted >> (x + 1) & 1)
+            faces.distance[FacesNear::at(x, y, z)] = surface_distance(place, {x, y, z});
         };
         if (row[-1] & kFaceCentre) take(-1);
         for_each_bit(byte_bits(load_bytes(row), kFaceCentre), take);
@@ -347,7 +352,7 @@ std::uint32_t TbbBackend::lattice_mark_far(const BrickView& bricks, View<const s
   fill(marks, std::uint8_t{0});
   for_each(bricks.count, kGrain, [&](std::size_t brick) {
     if (!active[brick]) return;
-    total += test.mark(brick, marks.data() + kBrickCells * brick);
+    total += test.mark(brick, active[brick], marks.data() + kBrickCells * brick);
   });
   return total;
 }

@@ -41,6 +41,20 @@ struct StateHalo {
   std::uint8_t values[kSide * kSide * kSide];
 };
 
+/// The nodes of a row of a brick that lie in some of its octants (bit dx + 2 dy + 4 dz), bit x.
+inline std::uint32_t octant_row(std::uint32_t octants, int y, int z) {
+  const std::uint32_t along = octants >> (2 * (y >> 2) + 4 * (z >> 2));
+  return (along & 1) * 0x0fu | (along >> 1 & 1) * 0xf0u;
+}
+
+/// Those of row (y, z), each -1..7, that lie there or one node beside, bit x + 1.
+inline std::uint32_t beside_octants(std::uint32_t octants, int y, int z) {
+  std::uint32_t row = 0;
+  for (const int k : {std::max(z - 1, 0), std::min(z + 1, 7)})
+    for (const int j : {std::max(y - 1, 0), std::min(y + 1, 7)}) row |= octant_row(octants, j, k);
+  return row | row << 1 | row << 2;
+}
+
 struct FarNode {
   int x, y, z;
 };
@@ -62,8 +76,9 @@ struct FacesNear {
            two(row(0, -1)) << 4 | two(row(0, 1)) << 6 | two(row(-1, 0)) << 8 | two(row(1, 0)) << 10;
   }
 
-  std::uint32_t rows[kSide][kSide];       ///< z, y from -1; bit x + 1: a face centre
-  float distance[kSide * kSide * kSide];  ///< to the surface, from above, of face centres
+  std::uint32_t rows[kSide][kSide];  ///< z, y from -1; bit x + 1: a face centre
+  float
+      distance[kSide * kSide * kSide];  ///< to the surface, from above, of faces that are asked for
 };
 
 }  // namespace vasamesh

@@ -241,17 +241,18 @@ void TbbBackend::lattice_blend(const BrickView& bricks, View<const std::uint8_t>
   for_each(bricks.count, kGrain, [&](std::size_t brick) {
     const std::int32_t* near = bricks.neighbours.data() + 27 * brick;
     const MarksNear found(near, marked, marks.data(), radius);
-    changed[brick] = found.any();
-    if (!found.any()) return;
-    for (int cell = 0; cell < kBrickCells; ++cell) {
+    std::uint32_t octants = 0;
+    for (int cell = 0; found.any() && cell < kBrickCells; ++cell) {
       const float rest = 1.0f - static_cast<float>(found.square(cell)) * inverse;
       if (rest <= 0) continue;
+      octants |= 1u << ((cell >> 2 & 1) + 2 * (cell >> 5 & 1) + 4 * (cell >> 8));
       const std::size_t node = kBrickCells * brick + static_cast<std::size_t>(cell);
       const float blend = strength * (rest * rest);
       values[node] = (1.0f - blend) * values[node] +
                      blend * solid_field(near, state.data(), node, cell & 7, cell >> 3 & 7,
                                          cell >> 6, {smooth, found.keeps_label(cell)});
     }
+    changed[brick] = static_cast<std::uint8_t>(octants);
   });
 }
 
