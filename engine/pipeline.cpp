@@ -193,7 +193,7 @@ Result run_pipeline(const VolumeView& volume, const Parameters& parameters, Sche
   const Labelled labelled = label(volume, parameters, scheduler, report);
   const SolidMatch wanted = {&labelled.solid, volume.geometry, parameters.space};
   result.mesh = proven_mesh(labelled, parameters, wanted, scheduler, report);
-  scheduler.begin("quality", Stage::mesh);
+  scheduler.begin("quality", Stage::mesh, "sums in double, which not all devices have");
   report.quality = measure_quality(scheduler.host(), result.mesh);
   scheduler.end();
   report.stages = scheduler.take_reports();

@@ -67,7 +67,13 @@ void Scheduler::progress(std::string_view phase, double fraction) {
     throw Error(ErrorCode::cancelled, "cancelled during " + phase_);
 }
 
-void Scheduler::begin(const char* name, Stage stage) {
+std::string Scheduler::host_reason(Stage stage, const char* no_kernels) {
+  if (host_alone_ || &context_.backends.front() == &context_.backends.back()) return {};
+  if (&backend_for(stage) != &host()) return {};
+  return stage == Stage::mesh ? no_kernels : "the device has been given other stages alone";
+}
+
+void Scheduler::begin(const char* name, Stage stage, const char* no_kernels) {
   end();
   Backend& backend = backend_for(stage);
   if (running_ && running_ != &backend) running_->settle();
@@ -76,6 +82,7 @@ void Scheduler::begin(const char* name, Stage stage) {
   report.name = name;
   report.backend = backend.name();
   report.device = backend.device();
+  report.host_reason = host_reason(stage, no_kernels);
   traffic_ = backend.traffic();
   progress(name, 0);
   started_ = Clock::now();

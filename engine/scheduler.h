@@ -49,7 +49,8 @@ class Scheduler {
   void progress(std::string_view phase, double fraction);
 
   /// Begins a stage (ending the one before): its name for the report and for progress.
-  void begin(const char* name, Stage stage);
+  /// \param no_kernels  why no backend but the host's offers it; for Stage::mesh.
+  void begin(const char* name, Stage stage, const char* no_kernels = "");
   void end();
 
   std::vector<StageReport> take_reports() { return std::move(reports_); }
@@ -58,6 +59,9 @@ class Scheduler {
   using Clock = std::chrono::steady_clock;
 
   void checkpoint();
+
+  /// Why a stage runs on the host where there is a device; empty where there is none.
+  std::string host_reason(Stage stage, const char* no_kernels);
 
   Context& context_;
   std::size_t max_memory_;

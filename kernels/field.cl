@@ -132,6 +132,38 @@ static FieldSample field_project(const Field *field, float reach, int steps,
   return sample.value * sample.value <= near * near * squared ? sample : none;
 }
 
+// --- Edge lengths asked for (engine/types/sizes.h). ----------------------------------------------
+
+typedef struct {
+  int3 grid;
+  float3 inverse_step;
+  float elsewhere;
+  global const int *brick_at;
+  global const float *sizes;
+  ulong count;
+} Sizes;
+
+/// A kernel's arguments that are sizes, and the sizes of them.
+#define SIZES_VIEW                                                                            \
+  int4 size_grid, float4 size_step, VIEW(const int, size_brick_at), VIEW(const float, sizes), \
+      ulong size_count
+#define TAKE_SIZES                                                                            \
+  {size_grid.xyz, size_step.xyz, size_step.w, size_brick_at + size_brick_at_first,            \
+   sizes + sizes_first, size_count}
+
+/// The size of the voxel that holds a point.
+static float sizes_at(const Sizes *view, float3 p) {
+  const float3 at = p * view->inverse_step, end = convert_float3(8 * view->grid);
+  if (!(at.x >= 0 && at.x < end.x && at.y >= 0 && at.y < end.y && at.z >= 0 && at.z < end.z))
+    return view->elsewhere;
+  const int3 node = convert_int3(at), brick_at = node >> 3, cell = (node >> 1) & 3;
+  const int brick =
+      view->brick_at[((size_t)brick_at.z * view->grid.y + brick_at.y) * view->grid.x + brick_at.x];
+  if (brick < 0) return view->elsewhere;
+  const size_t entry = 64 * (size_t)brick + (cell.x + 4 * (cell.y + 4 * cell.z));
+  return entry < view->count ? view->sizes[entry] : view->elsewhere;
+}
+
 kernel __attribute__((BRICK_GROUP)) void field_add(float factor, VIEW(const float, b),
                                                    VIEW(float, a)) {
   TAKE(b);

@@ -18,25 +18,18 @@ typedef struct {
 /// What the vertices are projected onto and how long edges shall be (RemeshGoal).
 typedef struct {
   Field field;
-  int3 size_grid;
-  float3 size_step;
-  float size_elsewhere;
-  global const int *size_brick_at;
-  global const float *sizes;
-  ulong size_count, cell_count;
+  Sizes sizes;
+  ulong cell_count;
   global const RelaxPlaceCell *cells;
   global const float *places;
 } RelaxGoal;
 
 /// A kernel's arguments that are a goal, and the goal of them.
 #define RELAX_GOAL                                                                              \
-  FIELD_VIEW, int4 size_grid, float4 size_step, VIEW(const int, size_brick_at),                 \
-      VIEW(const float, sizes), ulong size_count, VIEW(const RelaxPlaceCell, cells),            \
-      VIEW(const float, places), ulong cell_count
-#define TAKE_GOAL                                                                               \
-  {TAKE_FIELD,      size_grid.xyz, size_step.xyz, size_step.w,                                  \
-   size_brick_at + size_brick_at_first, sizes + sizes_first, size_count, cell_count,            \
-   cells + cells_first, places + 5 * places_first}
+  FIELD_VIEW, SIZES_VIEW, VIEW(const RelaxPlaceCell, cells), VIEW(const float, places),         \
+      ulong cell_count
+#define TAKE_GOAL \
+  {TAKE_FIELD, TAKE_SIZES, cell_count, cells + cells_first, places + 5 * places_first}
 
 typedef struct {
   float3 position, normal;
@@ -68,19 +61,6 @@ static RelaxPoint relax_at(const RelaxRing *ring, int i) {
 }
 
 // --- The size at a place. ------------------------------------------------------------------------
-
-static float relax_size_of_cell(const RelaxGoal *goal, float3 p) {
-  const float3 at = p * goal->size_step, end = convert_float3(8 * goal->size_grid);
-  if (!(at.x >= 0 && at.x < end.x && at.y >= 0 && at.y < end.y && at.z >= 0 && at.z < end.z))
-    return goal->size_elsewhere;
-  const int3 node = convert_int3(at), brick_at = node >> 3, cell = (node >> 1) & 3;
-  const int brick =
-      goal->size_brick_at[((size_t)brick_at.z * goal->size_grid.y + brick_at.y) *
-                              goal->size_grid.x + brick_at.x];
-  if (brick < 0) return goal->size_elsewhere;
-  const size_t entry = 64 * (size_t)brick + (cell.x + 4 * (cell.y + 4 * cell.z));
-  return entry < goal->size_count ? goal->sizes[entry] : goal->size_elsewhere;
-}
 
 static ulong relax_cell(float x) {
   const float most = 1 << 20, cell = floor(RELAX_PLACE_INVERSE_SIDE * x);
@@ -160,7 +140,7 @@ static bool relax_onto_surface(const RelaxGoal *goal, float reach, RelaxPoint *p
   point->position = position;
   point->normal = (-1 / slope) * sample.gradient;
   point->size = RELAX_LENGTH_FACTOR * relax_factor(goal, position) *
-                relax_size_of_cell(goal, position);
+                sizes_at(&goal->sizes, position);
   return true;
 }
 

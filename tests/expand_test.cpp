@@ -16,6 +16,7 @@
 #include "stages/stitch.h"
 #include "stages/verify.h"
 #include "support/analytic_lattice.h"
+#include "support/backends.h"
 #include "support/invariants.h"
 #include "tbb/backend.h"
 #include "types/mesh_vertex.h"
@@ -39,7 +40,10 @@ struct Scene {
         sizes(make_sizes(backend(), base.field, base.surface, rule)) {}
 
   FrontResult expand(const TriangleMesh& patches = {}, int threads = 2) const {
-    return vasamesh::expand(backend(threads), base.field, sizes, patches);
+    return expand(backend(threads), patches);
+  }
+  FrontResult expand(Backend& on, const TriangleMesh& patches) const {
+    return vasamesh::expand(on, base.field, sizes, patches);
   }
   StitchReport stitch(FrontResult& front) const {
     return stitch_gaps(backend(), base.field.view(), sizes.view(base.field), StitchMode::exact,
@@ -205,6 +209,21 @@ TEST(Expand, SameForAnyNumberOfThreadsAndInEveryRepeat) {
     EXPECT_EQ(first.mesh.vertices, again.mesh.vertices);
     EXPECT_EQ(first.mesh.triangles, again.mesh.triangles);
     EXPECT_EQ(first.loops.vertex, again.loops.vertex);
+  }
+}
+
+TEST(Expand, SameOnEveryBackend) {
+  const Scene scene({48, 48, 48}, random_tree(7, 6, 48));
+  const FrontResult want = scene.expand();
+  for (const std::string& name : backend_names()) {
+    const std::shared_ptr<Backend> on = open_backend(name);
+    if (!on) continue;
+    SCOPED_TRACE(name);
+    const FrontResult got = scene.expand(*on, {});
+    EXPECT_EQ(got.mesh.vertices, want.mesh.vertices);
+    EXPECT_EQ(got.mesh.triangles, want.mesh.triangles);
+    EXPECT_EQ(got.loops.vertex, want.loops.vertex);
+    EXPECT_EQ(got.rounds, want.rounds);
   }
 }
 

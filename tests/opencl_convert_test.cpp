@@ -30,8 +30,9 @@ TEST_P(OpenClConvert, SameSurfaceAsOneTbb) {
   EXPECT_EQ(got.mesh.vertices, want.mesh.vertices);
   EXPECT_EQ(got.mesh.triangles, want.mesh.triangles);
   for (const StageReport& stage : got.report.stages) {
-    const bool host = std::set<std::string>{"expand", "settle", "quality"}.contains(stage.name);
+    const bool host = std::set<std::string>{"settle", "quality"}.contains(stage.name);
     EXPECT_EQ(stage.backend, host ? "tbb" : "opencl") << stage.name;
+    EXPECT_EQ(stage.host_reason.empty(), !host) << stage.name;
     if (!host) {
       EXPECT_EQ(stage.device, list_opencl_devices()[0].name) << stage.name;
     }
@@ -67,7 +68,10 @@ TEST(OpenClMixed, SameSurfaceWhateverRunsWhere) {
       EXPECT_EQ(got.mesh.vertices, want.mesh.vertices);
       EXPECT_EQ(got.mesh.triangles, want.mesh.triangles);
       std::set<std::string> backends;
-      for (const StageReport& stage : got.report.stages) backends.insert(stage.backend);
+      for (const StageReport& stage : got.report.stages) {
+        backends.insert(stage.backend);
+        EXPECT_EQ(stage.host_reason.empty(), stage.backend == "opencl") << stage.name;
+      }
       EXPECT_EQ(backends.size(), 2u);
     }
   }

@@ -184,9 +184,10 @@ TEST_F(OpenClDevices, IndexOutOfRange) {
   }
 }
 
-TEST_F(OpenClDevices, FrontStaysOnTheHost) {
+TEST_F(OpenClDevices, OffersAllStagesWithKernels) {
   const auto backend = make_opencl_backend({});
   EXPECT_TRUE(backend->offers(Stage::sizing));
+  EXPECT_TRUE(backend->offers(Stage::expand));
   EXPECT_TRUE(backend->offers(Stage::stitch));
   EXPECT_TRUE(backend->offers(Stage::relax));
   EXPECT_TRUE(backend->offers(Stage::verify));

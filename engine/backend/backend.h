@@ -21,6 +21,7 @@
 #include "backend/byte_account.h"
 #include "types/bricks.h"
 #include "types/fans.h"
+#include "types/front.h"
 #include "types/gaps.h"
 #include "types/indicator_field.h"
 #include "types/lattice.h"
@@ -44,6 +45,7 @@ enum class Stage {
   lattice,
   surface,
   sizing,
+  expand,
   stitch,
   relax,
   verify,
@@ -353,6 +355,30 @@ class Backend : public Memory {
   /// within half a voxel length the position stays, and normal and radius are zero.
   virtual void sizing_measure(const FieldView& field, View<Vec3> positions, View<Vec3> normals,
                               View<float> radii) = 0;
+
+  // --- Mesh expanding (engine/stages/expand_rounds.h, expand_steps.h). ---------------------------
+  // One round: who may propose (choose, claim), what (propose), and all that at once (add).
+
+  /// Begins a round, whose number is higher than that of all before and below kRoundsEnd: writes
+  /// the list without the dead to front.alive, measures the corners on it that have changed, all of
+  /// them when `wake`, gives each its key, and lists their edges in the cells anew. front.chosen
+  /// are the active corners that go before their neighbours (goes_first), ascending. Counts both
+  /// lists.
+  virtual void expand_choose(const FieldView& field, std::uint32_t round, bool wake,
+                             const FrontView& front) = 0;
+
+  /// The chosen corners claim the cells round them (claimed_cells).
+  virtual void expand_claim(const FieldView& field, const FrontView& front) = 0;
+
+  /// What each chosen corner proposes (propose): nothing where another holds a cell that it claims.
+  /// Else, where it finds nothing, it is frozen, and where it needs more room, it is wide, or
+  /// frozen if it was wide.
+  virtual void expand_propose(const FieldView& field, const SizeView& sizes,
+                              const FrontLimits& limits, const FrontView& front) = 0;
+
+  /// Adds what is proposed (add_proposal), numbered in the order of the chosen corners behind what
+  /// there is, and the new corners to the list. Counts it all.
+  virtual void expand_add(const FieldView& field, const FrontView& front) = 0;
 
   // --- Gaps (engine/stages/triangulate_gap.h). ---------------------------------------------------
 

@@ -26,6 +26,8 @@ FrontResult expand(Backend& backend, const IndicatorField& field, const SizeFiel
   Front front = take_patches(backend, view, size_view, patches);
   const auto most = static_cast<std::size_t>(kBudget * sizes.predicted_triangles) + kLeastBudget +
                     patches.triangle_count();
+  const auto expected = static_cast<std::size_t>(sizes.predicted_triangles);
+  front.reserve(expected / 2, expected, expected / 2);
   FrontRounds rounds(backend, view, size_view, front, most);
 
   FrontSeeds seeds(view, size_view, sizes.samples);
@@ -34,8 +36,7 @@ FrontResult expand(Backend& backend, const IndicatorField& field, const SizeFiel
     if (seeds.add(backend, front) == 0 && wave > 0) break;
     in_budget = rounds.run({});
   }
-  for (const std::uint32_t corner : front.alive) front.state[corner] = kChanged;
-  if (in_budget) in_budget = rounds.run(kLastLimits);
+  if (in_budget) in_budget = rounds.run(kLastLimits, true);
 
   FrontResult result = give_result(front);
   result.rounds = rounds.count();

@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "stages/expand_rules.h"
+
 namespace vasamesh {
 
-namespace {
+using namespace expand_rules;
 
-constexpr float kFacing = 0.35f;      // least cosine of a triangle's normal and a corner's
-constexpr float kSheetOffset = 0.6f;  // of the longest edge: farther off is another sheet
-constexpr float kShrink = 0.06f;      // of the longest edge, off each side
-constexpr float kAlongGradient = 0.45f;
+namespace {
 
 std::array<float, 3> squared_edges(const Triangle& t) {
   return {squared_norm(t[1] - t[0]), squared_norm(t[2] - t[1]), squared_norm(t[0] - t[2])};

@@ -12,9 +12,6 @@
 
 namespace vasamesh {
 
-inline constexpr float kLongestEdge = 1.75f;  ///< of a new edge, in edge lengths asked for
-inline constexpr float kSameSheet = 0.2f;     ///< least cosine between normals of one sheet
-
 /// Corners counter-clockwise seen from outside.
 using Triangle = std::array<Vec3, 3>;
 

@@ -38,7 +38,7 @@ bool has_edge(const TriangleMesh& mesh, const VertexCorners& corners, std::uint3
 
 /// Links the corners that end at one vertex to those that begin there. Where several do, the patch
 /// touches itself, and each takes the nearest counter-clockwise: the angle between them is open.
-void link_at_vertex(Front& front, std::span<const std::uint32_t> ending,
+void link_at_vertex(Front& front, const FrontView& view, std::span<const std::uint32_t> ending,
                     std::span<const std::uint32_t> ends, std::span<const std::uint32_t> beginning) {
   std::vector<std::uint8_t> used(beginning.size(), 0);
   for (const std::uint32_t from : ending) {
@@ -46,9 +46,9 @@ void link_at_vertex(Front& front, std::span<const std::uint32_t> ending,
     float least = 0;
     for (std::size_t i = 0; i < beginning.size(); ++i) {
       if (used[i]) continue;
-      const std::uint32_t v = front.vertex[beginning[i]];
-      const float angle = angle_between(front.position[v], front.normal[v], front.at(from),
-                                        front.position[ends[beginning[i]]]);
+      const FrontVertex& v = view.vertex_of(beginning[i]);
+      const float angle = angle_between(v.position, v.normal, view.position_of(from),
+                                        view.vertices[ends[beginning[i]]].position);
       if (best < beginning.size() && !(angle < least)) continue;
       best = i;
       least = angle;
@@ -68,17 +68,18 @@ void take_boundary(const TriangleMesh& patches, const VertexCorners& corners, Fr
     front.add_corner(from);
     ends.push_back(to);
   }
+  const FrontView view = front.view();
   std::vector<std::uint32_t> by_start(ends.size()), by_end(ends.size());
   for (std::uint32_t c = 0; c < ends.size(); ++c) by_start[c] = by_end[c] = c;
   std::stable_sort(by_start.begin(), by_start.end(), [&](std::uint32_t a, std::uint32_t b) {
-    return front.vertex[a] < front.vertex[b];
+    return view.corners[a].vertex < view.corners[b].vertex;
   });
   std::stable_sort(by_end.begin(), by_end.end(),
                    [&](std::uint32_t a, std::uint32_t b) { return ends[a] < ends[b]; });
   for (std::size_t i = 0; i < ends.size();) {
     std::size_t end = i + 1;
     while (end < ends.size() && ends[by_end[end]] == ends[by_end[i]]) ++end;
-    link_at_vertex(front, {&by_end[i], end - i}, ends, {&by_start[i], end - i});
+    link_at_vertex(front, view, {&by_end[i], end - i}, ends, {&by_start[i], end - i});
     i = end;
   }
 }
@@ -87,41 +88,51 @@ void take_boundary(const TriangleMesh& patches, const VertexCorners& corners, Fr
 
 Front take_patches(Backend& backend, const FieldView& field, const SizeView& sizes,
                    const TriangleMesh& patches) {
-  Front front;
+  Front front(backend, field);
   const std::size_t count = patches.vertex_count();
-  front.resize_vertices(count);
-  front.triangles = patches.triangles;
+  front.reserve(count, patches.triangle_count(), 0);
+  front.bring_to_host();
+  std::vector<Vec3> normals(count);
   const VertexCorners corners = vertex_corners(patches);
   backend.run((count + kGrain - 1) / kGrain, [&](std::size_t task) {
     const std::size_t end = std::min((task + 1) * kGrain, count);
     for (std::size_t v = task * kGrain; v < end; ++v) {
-      front.position[v] = vertex_at(patches, v);
-      front.size[v] = size_at(sizes, front.position[v]);
       const Vec3 own = triangles_normal(patches, corners, v);
-      const Vec3 smooth = -normalised(sample_field(field, front.position[v]).gradient);
-      front.normal[v] = dot(own, smooth) > kAgree ? smooth : own;
+      const Vec3 smooth = -normalised(sample_field(field, vertex_at(patches, v)).gradient);
+      normals[v] = dot(own, smooth) > kAgree ? smooth : own;
     }
   });
+  for (std::size_t v = 0; v < count; ++v) {
+    const Vec3 p = vertex_at(patches, v);
+    front.add_vertex(p, normals[v], size_at(sizes, p));
+  }
+  for (std::size_t t = 0; t < patches.triangles.size(); t += 3)
+    front.add_triangle(patches.triangles[t], patches.triangles[t + 1], patches.triangles[t + 2]);
   take_boundary(patches, corners, front);
   return front;
 }
 
-FrontResult give_result(const Front& front) {
+FrontResult give_result(Front& front) {
   FrontResult result;
-  result.mesh.vertices.reserve(3 * front.position.size());
-  for (const Vec3& p : front.position)
+  front.bring_to_host();
+  const FrontView view = front.view();
+  const FrontCounts& counts = front.counts();
+  result.mesh.vertices.reserve(3 * std::size_t{counts.vertices});
+  for (std::uint32_t v = 0; v < counts.vertices; ++v) {
+    const Vec3& p = view.vertices[v].position;
     result.mesh.vertices.insert(result.mesh.vertices.end(), {p.x, p.y, p.z});
-  result.mesh.triangles = front.triangles;
-  std::vector<std::uint8_t> seen(front.vertex.size(), 0);
+  }
+  const std::uint32_t* triangles = view.triangles.data();
+  result.mesh.triangles.assign(triangles, triangles + 3 * std::size_t{counts.triangles});
+  std::vector<std::uint8_t> seen(counts.corners, 0);
   std::vector<std::uint32_t> loop;
-  for (const std::uint32_t first : front.alive) {
-    if (seen[first]) continue;
+  for (std::uint32_t i = 0; i < counts.listed; ++i) {
     loop.clear();
-    for (std::uint32_t c = first; !seen[c]; c = front.previous[c]) {
+    for (std::uint32_t c = view.listed[i]; !seen[c]; c = view.corners[c].previous) {
       seen[c] = 1;
-      loop.push_back(front.vertex[c]);
+      loop.push_back(view.corners[c].vertex);
     }
-    result.loops.add(loop);
+    if (!loop.empty()) result.loops.add(loop);
   }
   return result;
 }

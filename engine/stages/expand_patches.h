@@ -14,6 +14,6 @@ Front take_patches(Backend& backend, const FieldView& field, const SizeView& siz
                    const TriangleMesh& patches);
 
 /// The mesh and the loops of the boundary.
-FrontResult give_result(const Front& front);
+FrontResult give_result(Front& front);
 
 }  // namespace vasamesh

@@ -2,18 +2,19 @@
 
 #include <algorithm>
 
+#include "stages/expand_rules.h"
+
 namespace vasamesh {
 
-namespace {
+using namespace expand_rules;
 
-constexpr int kSteps = 5;  // Newton steps
-constexpr float kReach = 0.6f;
+namespace {
 
 /// Goes `length` along the surface from p in a tangent direction, and turns the direction with it.
 bool walk(const FieldView& field, float length, Vec3& p, Vec3& direction) {
   const Vec3 start = p;
   p = p + length * direction;
-  const FieldSample at = project_to_surface(field, kReach * length, kSteps, p);
+  const FieldSample at = project_to_surface(field, kPlaceReach * length, kPlaceSteps, p);
   if (!at.known) return false;
   const Vec3 normal = normalised(at.gradient), gone = p - start;
   direction = normalised(gone - dot(gone, normal) * normal);
@@ -33,7 +34,7 @@ bool place_on_surface(const FieldView& field, const Vec3& from, const Vec3& dire
   }
   // What the bend took off the distance.
   place = from + (length / std::max(norm(p - from), 0.5f * length)) * (p - from);
-  const FieldSample at = project_to_surface(field, kReach * length, kSteps, place);
+  const FieldSample at = project_to_surface(field, kPlaceReach * length, kPlaceSteps, place);
   if (!at.known) return false;
   normal = -normalised(at.gradient);
   return true;

@@ -5,21 +5,15 @@
 #include <span>
 
 #include "stages/expand_checks.h"
+#include "stages/expand_front.h"
 #include "stages/expand_place.h"
+#include "stages/expand_rules.h"
 
 namespace vasamesh {
 
-namespace {
+using namespace expand_rules;
 
-constexpr float kPart = kPi / 3;     // the angle that a corner is divided into
-constexpr float kEarAngle = 1.75f;   // radians: up to here a corner's edges are joined
-constexpr float kNarrow = 1 / 3.0f;  // of the longest edge: nearer to the boundary is too near
-constexpr float kCovered = 0.55f;    // edge lengths from an inner vertex
-constexpr float kClaim = 1.25f;      // edge lengths that a corner claims round itself
-constexpr float kWideClaim = 2.9f;
-constexpr float kSearch = 2.6f;                    // edge lengths in which boundary edges matter
-constexpr float kFanTau = 0.6f;                    // least of a fan's triangles
-constexpr float kSmaller = 0.9f, kLarger = 1.12f;  // a new edge over its neighbours, at most
+namespace {
 
 /// The parts that an open angle is cut into.
 int parts_of(float angle) {
@@ -29,37 +23,39 @@ int parts_of(float angle) {
 
 class Proposer {
  public:
-  Proposer(const FieldView& field, const SizeView& sizes, const Front& front,
-           const VertexGrid& vertices, const FrontLimits& limits, const CellBox& claimed,
-           std::uint32_t corner)
+  Proposer(const FieldView& field, const SizeView& sizes, const FrontView& front,
+           const FrontLimits& limits, const CellBox& claimed, std::uint32_t corner)
       : field_(field),
         sizes_(sizes),
         front_(front),
-        vertices_(vertices),
         limits_(limits),
         claimed_(claimed),
         corner_(corner),
-        next_(front.next[corner]),
-        previous_(front.previous[corner]),
-        here_(front.at(corner)),
-        up_(front.normal_at(corner)),
-        length_(front.size[front.vertex[corner]]) {}
+        next_(front.corners[corner].next),
+        previous_(front.corners[corner].previous),
+        angle_(front.corners[corner].angle),
+        here_(front.position_of(corner)),
+        up_(front.normal_of(corner)),
+        length_(front.vertex_of(corner).size) {}
 
-  Proposal run(const EdgeGrid& grid, std::vector<BoundaryEdge>& edges);
+  Proposal run(std::vector<BoundaryEdge>& near);
 
  private:
-  const Vec3& at(std::uint32_t corner) const { return front_.at(corner); }
-  const Vec3& up(std::uint32_t corner) const { return front_.normal_at(corner); }
+  const Vec3& at(std::uint32_t corner) const { return front_.position_of(corner); }
+  const Vec3& up(std::uint32_t corner) const { return front_.normal_of(corner); }
+  std::uint32_t next_of(std::uint32_t corner) const { return front_.corners[corner].next; }
+  std::uint32_t previous_of(std::uint32_t corner) const { return front_.corners[corner].previous; }
+  std::uint32_t vertex_at(std::uint32_t corner) const { return front_.corners[corner].vertex; }
+  float angle_at(std::uint32_t corner) const { return front_.corners[corner].angle; }
 
   /// Angle at a corner, counter-clockwise from one direction to another.
   float angle(std::uint32_t corner, const Vec3& from, const Vec3& to) const {
     return angle_between(at(corner), up(corner), from, to);
   }
 
-  Proposal make(Proposal::Kind kind, std::uint32_t target = kNone) const {
+  static Proposal make(Proposal::Kind kind, std::uint32_t target = kNoEntry) {
     Proposal proposal;
     proposal.kind = kind;
-    proposal.corner = corner_;
     proposal.target = target;
     return proposal;
   }
@@ -94,11 +90,11 @@ class Proposer {
 
   const FieldView& field_;
   const SizeView& sizes_;
-  const Front& front_;
-  const VertexGrid& vertices_;
+  const FrontView& front_;
   const FrontLimits& limits_;
   const CellBox& claimed_;
   const std::uint32_t corner_, next_, previous_;
+  const float angle_;
   const Vec3 here_, up_;
   const float length_;
   std::span<const BoundaryEdge> edges_;
@@ -126,12 +122,12 @@ bool Proposer::clear_of_edges(std::span<const Triangle> triangles) const {
 /// Whether the next corner keeps a useful angle when an edge leads from it to `to`.
 bool Proposer::room_at_next(const Vec3& to, bool is_edge) const {
   if (is_edge) return true;
-  return front_.angle[next_] - angle(next_, here_, to) >= limits_.least_angle;
+  return angle_at(next_) - angle(next_, here_, to) >= limits_.least_angle;
 }
 
 bool Proposer::room_at_previous(const Vec3& to, bool is_edge) const {
   if (is_edge) return true;
-  return front_.angle[previous_] - angle(previous_, to, here_) >= limits_.least_angle;
+  return angle_at(previous_) - angle(previous_, to, here_) >= limits_.least_angle;
 }
 
 /// Whether triangles to the next corner, the previous one or both fit into the target's open side,
@@ -139,24 +135,24 @@ bool Proposer::room_at_previous(const Vec3& to, bool is_edge) const {
 bool Proposer::room_at_target(std::uint32_t target, bool with_next, bool with_previous) const {
   const Vec3& first = with_next ? at(next_) : here_;
   const Vec3& last = with_previous ? at(previous_) : here_;
-  const bool meets_before = with_next && front_.previous[target] == next_;
-  const bool meets_after = with_previous && front_.next[target] == previous_;
+  const bool meets_before = with_next && previous_of(target) == next_;
+  const bool meets_after = with_previous && next_of(target) == previous_;
   const float used = angle(target, first, last);
-  const float before = meets_before ? 0.0f : angle(target, at(front_.previous[target]), first);
-  const float after = meets_after ? 0.0f : angle(target, last, at(front_.next[target]));
-  return before + used + after <= front_.angle[target] + 0.05f &&
+  const float before = meets_before ? 0.0f : angle(target, at(previous_of(target)), first);
+  const float after = meets_after ? 0.0f : angle(target, last, at(next_of(target)));
+  return before + used + after <= angle_at(target) + kSpareAngle &&
          (meets_before || before >= limits_.least_angle) &&
          (meets_after || after >= limits_.least_angle);
 }
 
 Proposal Proposer::close_three() const {
   const Triangle t = {here_, at(previous_), at(next_)};
-  if (!good_triangle(t, {up_, up(previous_), up(next_)}, 0.6f * limits_.least_tau)) return {};
+  if (!good_triangle(t, {up_, up(previous_), up(next_)}, kGapTau * limits_.least_tau)) return {};
   return make(Proposal::ear);
 }
 
 Proposal Proposer::try_ear() const {
-  const float open = front_.angle[corner_];
+  const float open = angle_;
   if (open < limits_.least_angle) return {};
   const Triangle t = {here_, at(previous_), at(next_)};
   if (!good_triangle(t, {up_, up(previous_), up(next_)}, limits_.least_tau)) return {};
@@ -172,7 +168,7 @@ bool Proposer::place(int parts, Proposal& placed) const {
   if (!(squared_norm(across) > 0)) return false;
   const Vec3 left = cross(up_, across);
   const float near = 0.5f * (norm(to_next) + norm(at(previous_) - here_));
-  const Rotation part = rotation_by(front_.angle[corner_] / static_cast<float>(parts));
+  const Rotation part = rotation_by(angle_ / static_cast<float>(parts));
   Rotation turn;
   placed.vertices = static_cast<std::uint8_t>(parts - 1);
   for (std::size_t i = 0; i < placed.vertices; ++i) {
@@ -190,8 +186,8 @@ bool Proposer::place(int parts, Proposal& placed) const {
 /// Whether the mesh is there already: an inner vertex of this sheet lies as near as it does to any
 /// point of a regular mesh. Without this, a front that slips under another would not stop.
 bool Proposer::is_covered(const Vec3& p, const Vec3& normal) const {
-  return vertices_.any_near(front_, p, kCovered * length_, [&](std::uint32_t v) {
-    return front_.corners[v] == 0 && dot(front_.normal[v], normal) > kSameSheet;
+  return any_near(field_, front_, p, kCovered * length_, [&](const FrontVertex& v) {
+    return v.corners == 0 && dot(v.normal, normal) > kSameSheet;
   });
 }
 
@@ -204,8 +200,8 @@ bool Proposer::too_near(const BoundaryEdge& edge, const Proposal& placed,
   for (std::size_t i = 0; i < placed.vertices; ++i)
     if (squared_distance(placed.position[i], edge.start, edge.end) < least * least) return true;
   if (edge.start == at(next_) || edge.start == at(previous_) || edge.start == here_) return false;
-  const bool after = edge.corner == front_.next[next_];
-  const bool before = edge.corner == front_.previous[previous_];
+  const bool after = edge.corner == next_of(next_);
+  const bool before = edge.corner == previous_of(previous_);
   for (std::size_t i = after ? 1 : 0; i < triangles.size() - (before ? 1 : 0); ++i)
     if (squared_distance(edge.start, triangles[i][1], triangles[i][2]) < least * least) return true;
   return false;
@@ -241,21 +237,19 @@ Proposal Proposer::try_fan(const Proposal& placed, bool& narrow) const {
     if (!claimed_.holds(cell_at(field_, placed.position[i]))) return make(Proposal::more_room);
   Proposal proposal = placed;
   proposal.kind = Proposal::fan;
-  proposal.corner = corner_;
   return proposal;
 }
 
 /// The corner of this sheet nearest to a place where a new vertex would lie.
 std::uint32_t Proposer::nearest_target(const Vec3& place, float reach) const {
-  std::uint32_t best = kNone;
+  std::uint32_t best = kNoEntry;
   float least = reach * reach;
   for (const BoundaryEdge& edge : edges_) {
     const float apart = squared_norm(edge.start - place);
     if (apart > least || (apart == least && edge.corner >= best)) continue;
     if (edge.corner == corner_ || edge.corner == next_ || edge.corner == previous_) continue;
-    const std::uint32_t v = front_.vertex[edge.corner];
-    if (v == front_.vertex[corner_] || v == front_.vertex[next_] || v == front_.vertex[previous_])
-      continue;
+    const std::uint32_t v = vertex_at(edge.corner);
+    if (v == vertex_at(corner_) || v == vertex_at(next_) || v == vertex_at(previous_)) continue;
     if (!(dot(edge.normal, up_) > kSameSheet)) continue;
     least = apart;
     best = edge.corner;
@@ -265,8 +259,7 @@ std::uint32_t Proposer::nearest_target(const Vec3& place, float reach) const {
 
 Proposal Proposer::try_target(std::uint32_t target, bool with_next, bool with_previous) const {
   const Vec3& to = at(target);
-  const bool follows = front_.next[next_] == target,
-             precedes = front_.previous[previous_] == target;
+  const bool follows = next_of(next_) == target, precedes = previous_of(previous_) == target;
   std::array<Triangle, 2> triangles;
   std::size_t count = 0;
   if (with_next) {
@@ -282,13 +275,13 @@ Proposal Proposer::try_target(std::uint32_t target, bool with_next, bool with_pr
       return {};
   }
   const float to_next = angle(corner_, to, at(next_));
-  const float to_previous = front_.angle[corner_] - to_next;
+  const float to_previous = angle_ - to_next;
   if (to_previous < limits_.least_angle || to_next < limits_.least_angle) return {};
   if (!room_at_target(target, with_next, with_previous) || !good_edge(here_, to) ||
       !clear_of_edges({triangles.data(), count}))
     return {};
   for (const std::uint32_t corner :
-       {next_, previous_, target, front_.next[target], front_.previous[target]})
+       {next_, previous_, target, next_of(target), previous_of(target)})
     if (!owns(corner)) return make(Proposal::more_room);
   return make(with_next && with_previous ? Proposal::join_both
               : with_next                ? Proposal::join_next
@@ -300,27 +293,27 @@ Proposal Proposer::try_join(const Vec3& place_next, const Vec3& place_previous, 
                             float reach) const {
   const std::uint32_t by_next = nearest_target(place_next, reach);
   const std::uint32_t by_previous = one_place ? by_next : nearest_target(place_previous, reach);
-  if (by_next != kNone && by_next == by_previous) {
+  if (by_next != kNoEntry && by_next == by_previous) {
     const Proposal both = try_target(by_next, true, true);
     if (both.kind != Proposal::nothing) return both;
   }
-  if (by_next != kNone) {
+  if (by_next != kNoEntry) {
     const Proposal one = try_target(by_next, true, false);
     if (one.kind != Proposal::nothing) return one;
   }
-  if (by_previous != kNone) return try_target(by_previous, false, true);
+  if (by_previous != kNoEntry) return try_target(by_previous, false, true);
   return {};
 }
 
-Proposal Proposer::run(const EdgeGrid& grid, std::vector<BoundaryEdge>& edges) {
+Proposal Proposer::run(std::vector<BoundaryEdge>& near) {
   if (next_ == previous_ || next_ == corner_) return {};
   if (!owns(corner_) || !owns(next_) || !owns(previous_)) return make(Proposal::more_room);
   // A loop of three is a gap to close, or the border of a lone triangle.
-  if (front_.in_loop_of_three(corner_) && front_.angle[corner_] < kPi) return close_three();
-  edges.clear();
-  grid.gather(cells_round(field_, here_, kSearch * length_), edges);
-  edges_ = edges;
-  const int parts = parts_of(front_.angle[corner_]);
+  if (front_.in_loop_of_three(corner_) && angle_ < kPi) return close_three();
+  near.clear();
+  gather_edges(field_, front_, cells_round(field_, here_, kSearch * length_), near);
+  edges_ = near;
+  const int parts = parts_of(angle_);
   if (parts == 1) return try_ear();
 
   Proposal placed;
@@ -333,20 +326,15 @@ Proposal Proposer::run(const EdgeGrid& grid, std::vector<BoundaryEdge>& edges) {
   bool narrow = false;
   const Proposal fan = try_fan(placed, narrow);
   if (fan.kind != Proposal::nothing || !narrow) return fan;
-  return try_join(first, last, placed.vertices == 1, 1.6f * reach);
+  return try_join(first, last, placed.vertices == 1, kWiderJoin * reach);
 }
 
 }  // namespace
 
-CellBox claimed_cells(const FieldView& field, const Front& front, std::uint32_t corner) {
-  const float h = front.size[front.vertex[corner]];
-  return cells_round(field, front.at(corner), (front.wide[corner] ? kWideClaim : kClaim) * h);
-}
-
-Proposal propose(const FieldView& field, const SizeView& sizes, const Front& front,
-                 const EdgeGrid& grid, const VertexGrid& vertices, const FrontLimits& limits,
-                 const CellBox& claimed, std::uint32_t corner, ProposalScratch& scratch) {
-  return Proposer(field, sizes, front, vertices, limits, claimed, corner).run(grid, scratch.edges);
+Proposal propose(const FieldView& field, const SizeView& sizes, const FrontView& front,
+                 const FrontLimits& limits, const CellBox& claimed, std::uint32_t corner,
+                 std::vector<BoundaryEdge>& near) {
+  return Proposer(field, sizes, front, limits, claimed, corner).run(near);
 }
 
 }  // namespace vasamesh

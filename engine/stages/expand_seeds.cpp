@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 
 #include "stages/expand_checks.h"
 #include "stages/expand_place.h"
+#include "stages/expand_rules.h"
 
 namespace vasamesh {
 
@@ -26,7 +28,7 @@ class SparsePoints {
       side_[i] = static_cast<int>(8 * field.grid[i] * field.step[i] / apart) + 1;
       cells *= static_cast<std::size_t>(side_[i]);
     }
-    head_.assign(cells, kNone);
+    head_.assign(cells, kNoEntry);
   }
 
   /// Whether a point is nearer than `reach`, which is at most the cells' width.
@@ -35,7 +37,7 @@ class SparsePoints {
     for (int k = std::max(z - 1, 0); k <= std::min(z + 1, side_[2] - 1); ++k)
       for (int j = std::max(y - 1, 0); j <= std::min(y + 1, side_[1] - 1); ++j)
         for (int i = std::max(x - 1, 0); i <= std::min(x + 1, side_[0] - 1); ++i)
-          for (std::uint32_t q = head_[index(i, j, k)]; q != kNone; q = next_[q])
+          for (std::uint32_t q = head_[index(i, j, k)]; q != kNoEntry; q = next_[q])
             if (squared_norm(points_[q] - p) < reach * reach) return true;
     return false;
   }
@@ -93,12 +95,11 @@ Hexagon make_hexagon(const FieldView& field, const Vec3& p, const Vec3& normal, 
 void add_hexagon(const SizeView& sizes, const Vec3& p, const Vec3& normal, const Hexagon& hexagon,
                  Front& front) {
   const std::uint32_t centre = front.add_vertex(p, normal, size_at(sizes, p));
-  const auto first = static_cast<std::uint32_t>(front.vertex.size());
+  const std::uint32_t first = front.counts().corners;
   for (std::uint32_t i = 0; i < 6; ++i) {
     const Vec3& q = hexagon.position[i];
     front.add_corner(front.add_vertex(q, hexagon.normal[i], size_at(sizes, q)));
-    front.triangles.insert(front.triangles.end(),
-                           {centre, centre + 1 + i, centre + 1 + (i + 1) % 6});
+    front.add_triangle(centre, centre + 1 + i, centre + 1 + (i + 1) % 6);
   }
   for (std::uint32_t i = 0; i < 6; ++i) front.link(first + i, first + (i + 1) % 6);
 }
@@ -106,22 +107,28 @@ void add_hexagon(const SizeView& sizes, const Vec3& p, const Vec3& normal, const
 }  // namespace
 
 FrontSeeds::FrontSeeds(const FieldView& field, const SizeView& sizes, const SurfaceSamples& samples)
-    : field_(field), sizes_(sizes), samples_(samples), vertices_(field) {
+    : field_(field), sizes_(sizes), samples_(samples) {
   for (std::uint32_t i = 0; i < samples.count(); ++i)
     if (samples.radius[i] > 0) open_.push_back(i);
 }
 
-void FrontSeeds::drop_covered(Backend& backend, const Front& front) {
-  vertices_.update(front);
+/// Most have a vertex within the first reach, where there are few cells to look into.
+bool FrontSeeds::is_covered(const FrontView& front, std::uint32_t sample) const {
+  constexpr float kReaches[] = {0.7f, kClear};
+  const Vec3 &p = samples_.position[sample], &normal = samples_.normal[sample];
+  const float size = size_at(sizes_, p);
+  return std::any_of(std::begin(kReaches), std::end(kReaches), [&](float reach) {
+    return any_near(field_, front, p, reach * size, [&](const FrontVertex& v) {
+      return dot(v.normal, normal) > -expand_rules::kSameSheet;
+    });
+  });
+}
+
+void FrontSeeds::drop_covered(Backend& backend, const FrontView& front) {
   std::vector<std::uint8_t> covered(open_.size());
   backend.run((open_.size() + kGrain - 1) / kGrain, [&](std::size_t task) {
     const std::size_t end = std::min((task + 1) * kGrain, open_.size());
-    for (std::size_t i = task * kGrain; i < end; ++i) {
-      const Vec3 &p = samples_.position[open_[i]], &normal = samples_.normal[open_[i]];
-      covered[i] = vertices_.any_near(front, p, kClear * size_at(sizes_, p), [&](std::uint32_t v) {
-        return dot(front.normal[v], normal) > -kSameSheet;
-      });
-    }
+    for (std::size_t i = task * kGrain; i < end; ++i) covered[i] = is_covered(front, open_[i]);
   });
   std::size_t kept = 0;
   for (std::size_t i = 0; i < open_.size(); ++i)
@@ -130,7 +137,8 @@ void FrontSeeds::drop_covered(Backend& backend, const Front& front) {
 }
 
 std::size_t FrontSeeds::add(Backend& backend, Front& front) {
-  drop_covered(backend, front);
+  front.bring_to_host();
+  drop_covered(backend, front.view());
   SparsePoints taken(field_, kApart * sizes_.elsewhere);
   std::size_t count = 0;
   for (const std::uint32_t i : open_) {

@@ -9,7 +9,6 @@
 
 #include "backend/backend.h"
 #include "stages/expand_front.h"
-#include "stages/expand_grid.h"
 #include "stages/sizing.h"
 
 namespace vasamesh {
@@ -23,12 +22,12 @@ class FrontSeeds {
   std::size_t add(Backend& backend, Front& front);
 
  private:
-  void drop_covered(Backend& backend, const Front& front);
+  bool is_covered(const FrontView& front, std::uint32_t sample) const;
+  void drop_covered(Backend& backend, const FrontView& front);
 
   const FieldView field_;
   const SizeView sizes_;
   const SurfaceSamples& samples_;
-  VertexGrid vertices_;
   std::vector<std::uint32_t> open_;  ///< samples that no vertex has been near, ascending
 };
 

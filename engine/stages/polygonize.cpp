@@ -275,8 +275,8 @@ TriangleMesh Polygonizer::redone() {
 
 /// The front round the patches, its gaps stitched.
 TriangleMesh Polygonizer::front_over(const TriangleMesh& patches) {
-  scheduler_.begin("expand", Stage::mesh);
-  FrontResult front = expand(backend_, field_, sizes_, patches);
+  scheduler_.begin("expand", Stage::expand);
+  FrontResult front = expand(scheduler_.backend_for(Stage::expand), field_, sizes_, patches);
   report_.rounds += front.rounds;
   report_.front_triangles +=
       static_cast<std::int64_t>(front.mesh.triangle_count() - patches.triangle_count());
@@ -303,7 +303,8 @@ TriangleMesh Polygonizer::remeshed() {
 /// The surface, settled in the bounds where it has changed since the last that was; as it is where
 /// its topology is wrong, since it would fail its proof and is made again.
 TriangleMesh Polygonizer::settled(TriangleMesh mesh) {
-  scheduler_.begin("settle", Stage::mesh);
+  scheduler_.begin("settle", Stage::mesh,
+                   "few places, each mended by long, branching tasks with exact predicates");
   has_topology_ = has_topology_of(base_, mesh);
   if (!has_topology_) return mesh;
   const Bounds bounds = {base_, base_tree_, solid_, solid_tree_, limit_};

@@ -82,6 +82,7 @@ Json to_json(const StageReport& stage) {
           {"launches", stage.launches},
           {"copies", stage.copies},
           {"bytes_copied", stage.bytes_copied},
+          {"host_reason", stage.host_reason},
           {"failure", stage.failure}};
 }
 

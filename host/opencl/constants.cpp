@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "stages/candidate_pairs.h"
+#include "stages/expand_rules.h"
 #include "stages/fan_moves.h"
 #include "stages/gradient_table.h"
 #include "stages/jacobi.h"
@@ -11,6 +12,7 @@
 #include "stages/patch_rules.h"
 #include "stages/places.h"
 #include "stages/sizing.h"
+#include "types/front.h"
 #include "types/lattice.h"
 #include "types/volume.h"
 
@@ -27,6 +29,23 @@ std::string define(const char* name, float value) {
   std::array<char, 32> text{};
   std::snprintf(text.data(), text.size(), "%af", static_cast<double>(value));
   return std::string(" -D") + name + "=" + text.data();
+}
+
+std::string expand_constants() {
+  using namespace expand_rules;
+  return define("EXPAND_PI", kPi) + define("EXPAND_MOST_VERTICES", kMostNewVertices) +
+         define("EXPAND_LONGEST_EDGE", kLongestEdge) +
+         define("EXPAND_SAME_SHEET", expand_rules::kSameSheet) + define("EXPAND_FACING", kFacing) +
+         define("EXPAND_SHEET_OFFSET", kSheetOffset) + define("EXPAND_SHRINK", kShrink) +
+         define("EXPAND_ALONG_GRADIENT", kAlongGradient) +
+         define("EXPAND_PLACE_STEPS", kPlaceSteps) + define("EXPAND_PLACE_REACH", kPlaceReach) +
+         define("EXPAND_PART", kPart) + define("EXPAND_EAR_ANGLE", kEarAngle) +
+         define("EXPAND_NARROW", kNarrow) + define("EXPAND_COVERED", kCovered) +
+         define("EXPAND_SEARCH", kSearch) + define("EXPAND_FAN_TAU", kFanTau) +
+         define("EXPAND_SMALLER", kSmaller) + define("EXPAND_LARGER", kLarger) +
+         define("EXPAND_SPARE_ANGLE", kSpareAngle) + define("EXPAND_GAP_TAU", kGapTau) +
+         define("EXPAND_WIDER_JOIN", kWiderJoin) + define("EXPAND_CLAIM", kClaim) +
+         define("EXPAND_WIDE_CLAIM", kWideClaim);
 }
 
 }  // namespace
@@ -56,7 +75,8 @@ std::string kernel_constants() {
          define("VERIFY_DOT_ERROR", kDotError) +
          define("VERIFY_DETERMINANT_ERROR", kDeterminantError) +
          define("VERIFY_CROSS_DOT_ERROR", kCrossDotError) +
-         define("VERIFY_LEAST_EXTENT", kLeastExtent) + define("VERIFY_MOST_EXTENT", kMostExtent);
+         define("VERIFY_LEAST_EXTENT", kLeastExtent) + define("VERIFY_MOST_EXTENT", kMostExtent) +
+         expand_constants();
 }
 
 }  // namespace vasamesh

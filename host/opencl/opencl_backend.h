@@ -146,6 +146,12 @@ class OpenClBackend final : public Backend {
                     View<std::uint32_t> triangles) override;
   void sizing_measure(const FieldView& field, View<Vec3> positions, View<Vec3> normals,
                       View<float> radii) override;
+  void expand_choose(const FieldView& field, std::uint32_t round, bool wake,
+                     const FrontView& front) override;
+  void expand_claim(const FieldView& field, const FrontView& front) override;
+  void expand_propose(const FieldView& field, const SizeView& sizes, const FrontLimits& limits,
+                      const FrontView& front) override;
+  void expand_add(const FieldView& field, const FrontView& front) override;
   void stitch_triangulate(const GapRules& rules, StitchMode mode, const GapView& gaps,
                           View<std::uint8_t> closed, View<std::uint16_t> triangles) override;
   void relax_smooth(const FieldView& field, const SizeView& sizes, const PlaceView& places,
@@ -210,7 +216,21 @@ class OpenClBackend final : public Backend {
     set(kernel, index, field.brick_at);
     set(kernel, index, field.coefficients);
   }
-  /// The sizes and places of RELAX_GOAL in kernels/relax.cl.
+  /// FRONT_VIEW of kernels/expand_front.cl.
+  void set(cl::Kernel& kernel, cl_uint& index, const FrontView& front) {
+    set(kernel, index, front.counts);
+    set(kernel, index, front.vertices);
+    set(kernel, index, front.corners);
+    for (const View<std::uint32_t>& list :
+         {front.triangles, front.listed, front.alive, front.chosen})
+      set(kernel, index, list);
+    set(kernel, index, front.proposals);
+    set(kernel, index, front.starts);
+    set(kernel, index, front.claims);
+    set(kernel, index, front.edge_at);
+    set(kernel, index, front.vertex_at);
+  }
+  /// SIZES_VIEW of kernels/field.cl.
   void set(cl::Kernel& kernel, cl_uint& index, const SizeView& view) {
     const std::array<int, 3>& grid = view.field.grid;
     const Scale& inverse = view.field.inverse_step;
@@ -220,6 +240,7 @@ class OpenClBackend final : public Backend {
     set(kernel, index, view.sizes);
     set(kernel, index, cl_ulong{view.sizes.size});
   }
+  /// The places of RELAX_GOAL in kernels/relax.cl.
   void set(cl::Kernel& kernel, cl_uint& index, const PlaceView& view) {
     set(kernel, index, view.cells);
     set(kernel, index, view.places);
@@ -263,6 +284,8 @@ class OpenClBackend final : public Backend {
   Buffer<std::uint64_t> totals_;  // of exclusive_scan, a block an entry
   Buffer<std::uint32_t> counts_;
   Buffer<CubeCase> cube_cases_;
+  Buffer<std::uint8_t> marks_;  // of expand_choose, a corner of the list an entry
+  Buffer<cl_uint2> blocks_;     // and a block of it
 };
 
 }  // namespace vasamesh

@@ -129,6 +129,12 @@ class TbbBackend final : public Backend {
                     View<std::uint32_t> triangles) override;
   void sizing_measure(const FieldView& field, View<Vec3> positions, View<Vec3> normals,
                       View<float> radii) override;
+  void expand_choose(const FieldView& field, std::uint32_t round, bool wake,
+                     const FrontView& front) override;
+  void expand_claim(const FieldView& field, const FrontView& front) override;
+  void expand_propose(const FieldView& field, const SizeView& sizes, const FrontLimits& limits,
+                      const FrontView& front) override;
+  void expand_add(const FieldView& field, const FrontView& front) override;
   void stitch_triangulate(const GapRules& rules, StitchMode mode, const GapView& gaps,
                           View<std::uint8_t> closed, View<std::uint16_t> triangles) override;
   void relax_smooth(const FieldView& field, const SizeView& sizes, const PlaceView& places,

@@ -62,6 +62,7 @@ struct StageReport {
   std::int64_t launches = 0;      ///< of a device's kernels
   std::int64_t copies = 0;        ///< to and from a device's own memory
   std::int64_t bytes_copied = 0;
+  std::string host_reason;        ///< why it ran on the CPU though there was a device; else empty
   std::string failure;            ///< of the device, after which the stages were run again on the
                                   ///< CPU; empty when it did not fail
 };
