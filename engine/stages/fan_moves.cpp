@@ -12,15 +12,6 @@ namespace {
 
 constexpr float kSmallGain = 1e-3f;
 
-/// How far the surface lies outside of the midpoint between two points of it, voxel lengths.
-bool find_gap(const FieldView& field, const SurfacePoint& a, const SurfacePoint& b, float& gap) {
-  const Vec3 middle = 0.5f * (a.position + b.position);
-  Vec3 foot = middle;
-  if (!project_to_surface(field, kGapReach, kGapSteps, foot).known) return false;
-  gap = dot(foot - middle, normalised(a.normal + b.normal));
-  return true;
-}
-
 /// The mean of the centres of the triangles round p, weighted by area over squared size.
 Vec3 fan_centre(const SurfacePoint& p, const Ring& ring) {
   Vec3 sum;
@@ -132,21 +123,12 @@ bool find_more_equal(const RemeshGoal& goal, const Ring& ring, const SurfacePoin
          may_move(p, ring, moved, std::min(kSine40, facing_quality(p, ring)));
 }
 
-float mean_gap(const FieldView& field, const Ring& ring, const SurfacePoint& p) {
-  float sum = 0, weights = 0;
-  Vec3 before = ring[ring.triangles() - 1].position;
-  for (std::size_t i = 0; i < ring.triangles(); ++i) {
-    const SurfacePoint& q = ring[i];
-    const Vec3 edge = q.position - p.position, after = ring[i + 1].position;
-    const float weight =
-        norm(cross(edge, after - p.position)) + norm(cross(edge, before - p.position));
-    before = q.position;
-    float gap = 0;
-    if (!find_gap(field, p, q, gap)) continue;
-    sum += weight * gap;
-    weights += weight;
-  }
-  return weights > 0 ? sum / weights : 0.0f;
+std::optional<float> edge_gap(const FieldView& field, const SurfacePoint& a,
+                              const SurfacePoint& b) {
+  const Vec3 middle = 0.5f * (a.position + b.position);
+  Vec3 foot = middle;
+  if (!project_to_surface(field, kGapReach, kGapSteps, foot).known) return std::nullopt;
+  return dot(foot - middle, normalised(a.normal + b.normal));
 }
 
 }  // namespace vasamesh

@@ -8,6 +8,7 @@
 /// Barthe, Botsch: Adaptive remeshing for real-time mesh deformation, 2013.
 
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "stages/patch_passes.h"
@@ -53,11 +54,32 @@ bool find_more_equal(const RemeshGoal& goal, const Ring& ring, const SurfacePoin
 inline constexpr float kGapReach = 0.5f;
 inline constexpr int kGapSteps = 3;
 
+/// How far the surface lies outside of an edge's midpoint, voxel lengths; none where it is not
+/// near. The same from both ends.
+std::optional<float> edge_gap(const FieldView& field, const SurfacePoint& a, const SurfacePoint& b);
+
 /// How far the surface lies outside of the triangles round an inner vertex, voxel lengths: at the
 /// midpoints of its edges, the mean by the areas beside them. A function that is quadratic over
 /// each triangle has its mean over the surface in these midpoints alone. Edges without the surface
 /// near do not count; 0 where none has it.
-float mean_gap(const FieldView& field, const Ring& ring, const SurfacePoint& p);
+/// \param gap_at  of i: the gap of the edge to the ring's vertex i.
+template <class GapAt>
+float mean_gap(const Ring& ring, const SurfacePoint& p, const GapAt& gap_at) {
+  float sum = 0, weights = 0;
+  Vec3 before = ring[ring.triangles() - 1].position;
+  for (std::size_t i = 0; i < ring.triangles(); ++i) {
+    const Vec3& place = ring[i].position;
+    const Vec3 edge = place - p.position, after = ring[i + 1].position;
+    const float weight =
+        norm(cross(edge, after - p.position)) + norm(cross(edge, before - p.position));
+    before = place;
+    const std::optional<float> gap = gap_at(i);
+    if (!gap) continue;
+    sum += weight * *gap;
+    weights += weight;
+  }
+  return weights > 0 ? sum / weights : 0.0f;
+}
 
 /// The ring of a fan, whose points are in the host's memory.
 inline Ring ring_of(const FanView& fans, const SurfacePoint* points, std::size_t fan) {

@@ -10,7 +10,7 @@ namespace vasamesh {
 namespace {
 
 constexpr float kBlock = 32;  // voxel lengths
-constexpr int kPlainRounds = 1, kRounds = 4;
+constexpr int kRounds = 3;
 constexpr int kFitRounds = 2;
 constexpr int kLastRounds = 4;  // that may follow where triangles with small angles are left
 
@@ -33,22 +33,18 @@ bool any_poor(const WorkingSurface& surface) {
 
 void finish(Backend& backend, const RemeshGoal& goal, WorkingSurface& surface) {
   Relaxer relaxer(backend, goal);
+  const auto repair_all = [&](std::span<PatchMesh* const> parts, float wanted, int passes) {
+    for_each_part(backend, parts, [&](PatchMesh& part) { repair(part, goal, wanted, passes); });
+  };
   for (int round = 0; round < kRounds; ++round) {
     SurfaceBlocks blocks(backend, {kBlock, 0.1f + 0.25f * static_cast<float>(round)}, surface);
     const std::vector<PatchMesh*> parts = blocks.parts();
-    const auto repair_parts = [&](float wanted, int passes) {
-      for_each_part(backend, parts, [&](PatchMesh& part) { repair(part, goal, wanted, passes); });
-    };
+    const bool is_last = round == kRounds - 1;
     for_each_part(backend, parts, [](PatchMesh& part) { flip_to_valence(part, 3); });
-    if (round < kPlainRounds) {
-      relaxer.smooth(parts, 2);
-      repair_parts(kSine20, 2);
-    } else {
-      relaxer.smooth(parts, 1);
-      repair_parts(kSine40, 3);
-      relaxer.equalise(parts, 4);
-      if (round == kRounds - 1) repair_parts(kSine25, 24);
-    }
+    relaxer.smooth(parts, 1);
+    repair_all(parts, kSine40, 1);
+    relaxer.equalise(parts, is_last ? 4 : 2);
+    if (is_last) repair_all(parts, kSine25, 24);
     blocks.join();
   }
   for (int round = 0; round < kLastRounds && any_poor(surface); ++round) {
@@ -58,7 +54,7 @@ void finish(Backend& backend, const RemeshGoal& goal, WorkingSurface& surface) {
     for_each_part(backend, parts, [](PatchMesh& part) { flip_to_angle(part, 3); });
     relaxer.smooth(parts, 1);
     relaxer.equalise(parts, 8);
-    for_each_part(backend, parts, [&](PatchMesh& part) { repair(part, goal, kSine25, 24); });
+    repair_all(parts, kSine25, 24);
     blocks.join();
   }
   for (int round = 0; round < kFitRounds; ++round) {

@@ -192,7 +192,10 @@ std::vector<float> Relaxer::gaps_of(const PatchMesh& part, std::size_t p,
     if (!part.points[v].on_field) continue;
     ring.clear();
     add_ring(part, v, ring);
-    gaps[v] = mean_gap(goal_.field, {part.points.data(), ring}, part.points[v]);
+    const SurfacePoint& point = part.points[v];
+    gaps[v] = mean_gap({part.points.data(), ring}, point, [&](std::size_t i) {
+      return edge_gap(goal_.field, point, part.points[ring[i]]);
+    });
   }
   return gaps;
 }
