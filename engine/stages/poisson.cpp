@@ -20,6 +20,12 @@ int finest_solved(const Octree& octree, const Parameters& parameters) {
   return parameters.depth == 0 ? octree.levels.back().exponent : regular_depth - parameters.depth;
 }
 
+std::size_t most_bricks(const Octree& octree) {
+  std::size_t most = 0;
+  for (const OctreeLevel& level : octree.levels) most = std::max(most, level.bricks.count);
+  return most;
+}
+
 /// The bricks 2 B - 1 .. 2 B + 2 of a finer level round each brick B of a coarse one.
 Buffer<std::int32_t> children_of(Backend& backend, const OctreeLevel& coarse,
                                  const OctreeLevel& fine) {
@@ -119,14 +125,17 @@ Buffer<float> local_mean(Backend& backend, const PointCloud& points, const Scale
 
 }  // namespace
 
+void SolveWorkspace::resize(Backend& backend, std::size_t bricks) {
+  residual.resize(backend, bricks * kBrickCells);
+  direction.resize(backend, bricks * kBrickCells);
+  partial.resize(backend, bricks);
+  partial_b.resize(backend, bricks);
+}
+
 SolveOutcome conjugate_gradient(Backend& backend, const LevelView& level,
                                 View<const std::uint8_t> unknown, View<const float> b,
                                 View<float> x, int iterations, SolveWorkspace& w) {
-  const std::size_t n = level.bricks.count * kBrickCells;
-  w.residual.resize(backend, n);
-  w.direction.resize(backend, n);
-  w.partial.resize(backend, level.bricks.count);
-  w.partial_b.resize(backend, level.bricks.count);
+  w.resize(backend, level.bricks.count);
   const View<float> r = w.residual.view(), p = w.direction.view(), partial = w.partial.view();
 
   // r = b - A x, p = r
@@ -179,6 +188,7 @@ void solve_poisson(Scheduler& scheduler, const Parameters& parameters, Octree& o
   Backend& backend = scheduler.backend_for(Stage::poisson);
   const int finest = finest_solved(octree, parameters);
   SolveWorkspace workspace;
+  workspace.resize(backend, most_bricks(octree));
   for (std::size_t i = 0; i < octree.levels.size(); ++i) {
     OctreeLevel& level = octree.levels[i];
     if (i == 0)
