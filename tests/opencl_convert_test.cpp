@@ -77,10 +77,11 @@ TEST(OpenClMixed, SameSurfaceWhateverRunsWhere) {
   }
 }
 
-/// What the host has written reaches a device's own memory, remeshed patches and the front included.
+/// What the host has written reaches a device's own memory, remeshed patches and the front
+/// included.
 TEST(OpenClOwnMemory, SameSurfaceWithHardRegions) {
   if (list_opencl_devices().empty()) GTEST_SKIP() << "no OpenCL device here";
-  const Phantom phantom = make_phantom("y_branch");
+  const Phantom phantom = make_phantom("two_tubes");
   const Result want = convert_on("tbb", phantom);
   ASSERT_GT(want.report.mesh.hard_share, 0);
   OpenClOptions options;
