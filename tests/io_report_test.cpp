@@ -23,7 +23,8 @@ Report full_report() {
   report.input.pieces.push_back(
       {.voxels = 7, .first_voxel = {1, 2, 3}, .cavities = 1, .handles = 2});
   report.input.specks = {.count = 2, .place = {4, 5, 6}};
-  report.stages.push_back({"points", "tbb", "cpu", 0.25, 1024, 7, 8, 9, "it has no kernels", "it was lost"});
+  report.stages.push_back(
+      {"points", "tbb", "cpu", 0.25, 1024, 7, 8, 9, "it has no kernels", "it was lost"});
   report.levels.push_back({3, {8, 8, 8}, 512, 100, 10, 1.0, 0.125});
   report.relabel.stuck_first = 9;
   report.check.passed = true;

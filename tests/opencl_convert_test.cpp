@@ -77,6 +77,23 @@ TEST(OpenClMixed, SameSurfaceWhateverRunsWhere) {
   }
 }
 
+/// What the host has written reaches a device's own memory, remeshed patches and the front
+/// included.
+TEST(OpenClOwnMemory, SameSurfaceWithHardRegions) {
+  if (list_opencl_devices().empty()) GTEST_SKIP() << "no OpenCL device here";
+  const Phantom phantom = make_phantom("two_tubes");
+  const Result want = convert_on("tbb", phantom);
+  ASSERT_GT(want.report.mesh.hard_share, 0);
+  OpenClOptions options;
+  options.copies = DeviceCopies::separate;
+  options.workers = make_tbb_backend(2, nullptr);
+  Context context;
+  context.backends = {make_opencl_backend(options), options.workers};
+  const Result got = convert(phantom.view(), {}, context);
+  EXPECT_EQ(got.mesh.vertices, want.mesh.vertices);
+  EXPECT_EQ(got.mesh.triangles, want.mesh.triangles);
+}
+
 INSTANTIATE_TEST_SUITE_P(Phantoms, OpenClConvert, ::testing::Values("torus", "y_branch"));
 
 }  // namespace

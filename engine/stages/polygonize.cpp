@@ -89,8 +89,7 @@ Polygonizer::Polygonizer(Scheduler& scheduler, const Lattice& lattice,
       limit_(distance_limit(scale)) {
   for (std::size_t i = 0; i < base_.vertices.size(); ++i) base_.vertices[i] *= scale_[i % 3];
   scheduler_.begin("sizes", Stage::sizing);
-  Backend& sizing = scheduler_.backend_for(Stage::sizing);
-  sizing.on_host(View<const std::uint8_t>(lattice.state.view()));
+  sizing().on_host(View<const std::uint8_t>(lattice.state.view()));
   backend_.run(2, [&](std::size_t half) {  // each half has work of one thread alone
     if (half == 0) {
       base_tree_ = build_tree_in_order(backend_, base_);
@@ -99,8 +98,8 @@ Polygonizer::Polygonizer(Scheduler& scheduler, const Lattice& lattice,
       solid_tree_ = build_triangle_tree(backend_, solid_.common);
     }
   });
-  field_ = make_field(sizing, lattice, size, scale);
-  sizes_ = make_sizes(sizing, field_, base_, rule_);
+  field_ = make_field(sizing(), lattice, size, scale);
+  sizes_ = make_sizes(sizing(), field_, base_, rule_);
   if (wanted_triangles_ > 0) aim(wanted_triangles_);
   report_.predicted_triangles = sizes_.predicted_triangles;
 }
@@ -115,7 +114,7 @@ void Polygonizer::aim(double triangles) {
     factor *= static_cast<float>(std::sqrt(ratio));
     factor = std::clamp(factor, kLeastEdge / asked_.edge_min, kLongestEdge / asked_.edge_max);
     rule_ = scaled(asked_, factor);
-    apply_rule(backend_, field_, base_, rule_, {}, sizes_);
+    apply_rule(sizing(), field_, base_, rule_, {}, sizes_);
   }
   const double reached = sizes_.predicted_triangles;
   if (std::fabs(reached / triangles - 1) <= kCountTolerance) return;
@@ -215,7 +214,7 @@ void Polygonizer::start_over(Plan plan) {
   plan_ = plan;
   failures_ = 0;
   places_.clear();
-  apply_rule(backend_, field_, base_, rule_, places_, sizes_);
+  apply_rule(sizing(), field_, base_, rule_, places_, sizes_);
   report_.rounds = 0;
   report_.front_triangles = report_.gaps = report_.gap_triangles = 0;
 }
@@ -248,7 +247,7 @@ TriangleMesh Polygonizer::expanded() {
 /// the front in between.
 TriangleMesh Polygonizer::redone() {
   scheduler_.begin("remesh", Stage::relax);
-  apply_rule(backend_, field_, base_, rule_, places_, sizes_);
+  apply_rule(sizing(), field_, base_, rule_, places_, sizes_);
   const std::span<const CarefulPlace> fresh = std::span(places_).subspan(first_fresh_);
   const float margin = kMargin * longest_edge();
   std::vector<std::uint8_t> within = vertices_in(backend_, Places(fresh), base_);

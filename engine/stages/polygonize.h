@@ -71,6 +71,7 @@ class Polygonizer {
   TriangleMesh remeshed();
   TriangleMesh settled(TriangleMesh mesh);
   TriangleMesh front_over(const TriangleMesh& patches);
+  Backend& sizing() { return scheduler_.backend_for(Stage::sizing); }
   Backend& relaxing() { return scheduler_.backend_for(Stage::relax); }
   float longest_edge() const;
   float place_radius() const;

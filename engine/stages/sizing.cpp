@@ -288,8 +288,8 @@ void grow_limited(Backend& backend, const IndicatorField& field, float growth,
   Buffer<float> next(backend, values.size());
   std::vector<std::uint8_t> changed(bricks, 1), changes(bricks);
   while (std::find(changed.begin(), changed.end(), 1) != changed.end()) {
-    const float* from = values.view().data();
-    float* to = next.view().data();
+    const float* from = backend.on_host(std::as_const(values).view()).data();
+    float* to = backend.on_host(next.view()).data();
     backend.run((bricks + kGrain - 1) / kGrain, [&](std::size_t task) {
       const std::size_t end = std::min((task + 1) * kGrain, bricks);
       for (std::size_t b = task * kGrain; b < end; ++b) {
@@ -323,8 +323,8 @@ SizeField make_sizes(Backend& backend, const IndicatorField& field, const Triang
 void apply_rule(Backend& backend, const IndicatorField& field, const TriangleMesh& surface,
                 const SizeRule& rule, std::span<const CarefulPlace> places, SizeField& sizes) {
   sizes.largest = rule.edge_max;
-  float* values = sizes.sizes.view().data();
-  std::fill_n(values, sizes.sizes.size(), rule.edge_max);
+  const auto values = backend.on_host(sizes.sizes.view());
+  std::fill(values.begin(), values.end(), rule.edge_max);
   for (std::size_t i = 0; i < sizes.samples.count(); ++i)
     values[sizes.samples.cell[i]] =
         place_factor(places, sizes.samples.position[i]) * size_for(rule, sizes.samples.radius[i]);

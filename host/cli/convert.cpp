@@ -61,8 +61,7 @@ void run_convert(const ConvertRequest& request) {
   ReadOptions selection = request.read;
   selection.cancel = &interrupted();
   progress.show("read", 0);
-  const StageReport read =
-      timed("read", [&] { volume = read_packed(request.input, selection); });
+  const StageReport read = timed("read", [&] { volume = read_packed(request.input, selection); });
   stop_if_interrupted();
   Result result = convert(volume.view(), request.parameters, context);
   stop_if_interrupted();

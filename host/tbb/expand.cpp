@@ -15,6 +15,7 @@ namespace {
 
 constexpr std::size_t kCornerGrain = 512;   // corners a task of the light steps takes
 constexpr std::size_t kProposalGrain = 16;  // proposals a task takes
+constexpr std::size_t kNearUsual = 128;     // edges near a corner, hardly ever more
 
 enum Mark : std::uint8_t { kDropped, kKept, kChosen };
 
@@ -92,6 +93,7 @@ void TbbBackend::expand_propose(const FieldView& field, const SizeView& sizes,
   const std::size_t count = front.proposals.size;
   for_each((count + kProposalGrain - 1) / kProposalGrain, 1, [&](std::size_t piece) {
     std::vector<BoundaryEdge> near;
+    near.reserve(kNearUsual);
     const std::size_t end = std::min((piece + 1) * kProposalGrain, count);
     for (std::size_t i = piece * kProposalGrain; i < end; ++i) {
       const std::uint32_t corner = front.chosen[i];
