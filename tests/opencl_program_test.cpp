@@ -73,13 +73,14 @@ class OpenClPrograms : public ::testing::Test {
 };
 
 TEST_F(OpenClPrograms, EveryKernelOfEveryFileBuilds) {
+  const std::set<std::string> without_kernels = {"common", "expand_front", "expand_propose"};
   for (const WorkShape& shape : {kOneItemShape, kWorkGroupShape}) {
     Programs built(context_, device_, shape, std::nullopt);
     std::set<std::string> seen;
     for (const KernelSource& source : kernel_sources()) {
       const std::string stage(source.file.substr(0, source.file.find('.')));
       const std::set<std::string> names = kernels_in(std::string(source.text));
-      EXPECT_EQ(names.empty(), stage == "common") << source.file;
+      EXPECT_EQ(names.empty(), without_kernels.contains(stage)) << source.file;
       for (const std::string& name : names) {
         EXPECT_TRUE(seen.insert(name).second) << name << " twice, in " << source.file;
         EXPECT_EQ(built.kernel(name).getInfo<CL_KERNEL_FUNCTION_NAME>(), name);

@@ -88,7 +88,7 @@ SampleWeights weigh(Backend& backend, const PointView& points, View<const float>
   for (const View<const float>& axis : points.area) backend.on_host(axis);
   backend.on_host(points.thickness);
   constexpr float kCellsOfWide = 8;  // of the narrow kernel's level: sums count by cells of theirs
-  constexpr Kernel kShare = {0, 1};
+  constexpr Kernel kShare = {kLeastWideShare, 1};
   SampleWeights weights{std::vector<float>(points.count), std::vector<float>(points.count)};
   double sum = 0, all = 0;
   for (std::size_t i = 0; i < points.count; ++i) {
@@ -110,8 +110,9 @@ Buffer<float> local_mean(Backend& backend, const PointCloud& points, const Scale
   const SampleWeights weights = weigh(backend, points.view(), values);
   const OctreeLevel &regular = octree.at_exponent(0), &coarse = octree.at_exponent(1);
   LocalSums sums = sum_locally(backend, regular, points, weights.narrow, values);
+  widen(backend, regular, scale, kNarrowSigma, sums);
   LocalSums wide = sum_locally(backend, coarse, points, weights.wide, values);
-  widen(backend, coarse, scale, kIsovalueSigma, wide);
+  widen(backend, coarse, scale, kWideSigma, wide);
   Buffer<float> finer(backend, cells(regular));
   const auto add = [&](const Buffer<float>& from, Buffer<float>& to) {
     backend.poisson_prolong(regular.view(), regular.parents.view(), from.view(), finer.view());

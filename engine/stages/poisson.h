@@ -26,10 +26,11 @@ inline constexpr int kLevelIterations = 12;
 /// Knot distance of the splatting kernel where the vessel is thin, in voxel lengths.
 inline constexpr float kThinKernel = 0.75f;
 
-/// Standard deviation of the local isovalue's kernel where the vessel is thick, in voxel lengths.
-/// Where it is thin the kernel is that of the regular level's splines, 0.7 cells: a mean over more
-/// lets the branchings of thin vessels swell and draws what lies between them to threads.
-inline constexpr float kIsovalueSigma = 2.0f;
+/// Standard deviations of the local isovalue's kernels, in voxel lengths: where the vessel is thick,
+/// and where it is thin, for there a mean over more lets branchings swell and draws what lies
+/// between them to threads. Of the wide kernel that share stays there too: the narrow one alone
+/// gives the field spikes that a front runs away on.
+inline constexpr float kWideSigma = 2.0f, kNarrowSigma = 0.9f, kLeastWideShare = 0.25f;
 
 /// Taken off beside the local isovalue: samples in the concave corners of the voxels' steps lie
 /// outside by 0.01 to 0.02 voxel on average, measured on shapes of known volume.
