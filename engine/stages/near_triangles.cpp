@@ -10,7 +10,8 @@ namespace vasamesh {
 namespace {
 
 constexpr float kSure = 0.9999f;  // of a squared limit: against rounding
-/// Of the squared sum of the squared sides: with a lesser squared area a plane is not to be trusted.
+/// Of the squared sum of the squared sides: with a lesser squared area a plane is not to be
+/// trusted.
 constexpr float kNeedle = 1e-5f;
 
 /// By value: with references compilers branch.

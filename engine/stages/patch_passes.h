@@ -62,10 +62,10 @@ std::uint32_t repair(PatchMesh& mesh, const RemeshGoal& goal, float wanted, int 
 void widen_angles(PatchMesh& mesh, int passes);
 
 /// Flips and moves round the triangles with an edge more than 1.5 times as long as another, towards
-/// equal edges. Vertices move in the mesh's own tangent planes, by a quarter of their size at most a
-/// time; edges that the mesh is bent along by more than 41 degrees stay; no triangle turns by more
-/// than 26 degrees a time, gets an angle below 25 degrees that it did not have, or comes to meet
-/// another.
+/// equal edges. Vertices move in the mesh's own tangent planes, by a quarter of their size at most
+/// a time; edges that the mesh is bent along by more than 41 degrees stay; no triangle turns by
+/// more than 26 degrees a time, gets an angle below 25 degrees that it did not have, or comes to
+/// meet another.
 void even_edges(PatchMesh& mesh, int passes);
 
 /// Gives a point the field's normal and on_field, or on_field = false and the normal that it has:
