@@ -52,6 +52,7 @@ void wait_for(const cl::CommandQueue& queue, const std::function<void()>& checkp
               const std::string& device) {
   const std::string what = "waiting for " + device;
   if (!checkpoint) return check(queue.finish(), what);
+  checkpoint();  // many short waits in a row are a long time
   cl::Event last;
   check(queue.enqueueMarkerWithWaitList(nullptr, &last), what);
   const auto ending = std::make_shared<Ending>();

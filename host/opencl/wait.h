@@ -10,7 +10,7 @@
 
 namespace vasamesh {
 
-/// Waits until all that is queued is done, and calls `checkpoint` meanwhile, every few
+/// Waits until all that is queued is done, and calls `checkpoint` before and meanwhile, every few
 /// milliseconds; what that throws leaves the commands running. \throws DeviceFailure
 void wait_for(const cl::CommandQueue& queue, const std::function<void()>& checkpoint,
               const std::string& device);
