@@ -29,7 +29,7 @@ struct FrontResult {
   GapLoops loops;
 
   int rounds = 0;
-  bool over_budget = false;  ///< stopped at three times the triangles that were predicted
+  bool over_budget = false;  ///< stopped at three times the predicted triangles, or 1,000 rounds
 };
 
 /// \param patches  open or closed pieces in voxel lengths, as of hard regions; may be empty. Their

@@ -23,7 +23,7 @@ class FrontRounds {
         most_triangles_(most_triangles) {}
 
   /// Rounds until no corner has anything to propose. \param wake  corners that had nothing are
-  /// asked again. \return false when the budget is spent.
+  /// asked again. \return false when the budget of triangles or of rounds is spent.
   bool run(const FrontLimits& limits, bool wake = false);
 
   int count() const { return rounds_; }
