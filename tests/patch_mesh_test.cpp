@@ -146,6 +146,37 @@ TEST(PatchMesh, ATetrahedronStays) {
   }
 }
 
+TEST(PatchMesh, NoInnerVertexIsLeftWithThreeTriangles) {
+  // Two caps of four triangles: each collapse would leave two of their corners with three.
+  TriangleMesh octahedron;
+  for (const Vertex& v :
+       {Vertex{1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}})
+    add_vertex(octahedron, v);
+  for (std::uint32_t i = 0; i < 4; ++i) {
+    add_triangle(octahedron, i, (i + 1) % 4, 4);
+    add_triangle(octahedron, (i + 1) % 4, i, 5);
+  }
+  PatchMesh patch = patch_of(octahedron);
+  expect_sound(patch);
+  for (std::uint32_t h = 0; h < patch.half_edge_end(); ++h)
+    if (patch.is_edge(h)) {
+      EXPECT_FALSE(patch.may_collapse(h, patch.origin(h), patch.target(h)));
+    }
+  // With a vertex more on an edge there are five at the corners beside it.
+  const std::uint32_t h = edge_between(patch, 0, 1);
+  const std::uint32_t middle = patch.split(h, patch.points[0]);
+  EXPECT_TRUE(patch.may_collapse(edge_between(patch, 0, middle), middle, 0));
+}
+
+TEST(PatchMesh, AHeldBorderStays) {
+  PatchMesh patch = patch_of(fan(8, true));
+  patch.hold_border();
+  const std::uint32_t border = edge_between(patch, 1, 2);
+  EXPECT_FALSE(patch.may_collapse(border, 1, 2));
+  EXPECT_FALSE(patch.may_collapse(edge_between(patch, 0, 1), 0, 1));
+  EXPECT_TRUE(patch.is_inner(0));
+}
+
 TEST(PatchMesh, ATubeOfThreeEdgesRoundIsNotPinched) {
   // Rings of three vertices: an edge of a ring has three common neighbours with its ends.
   TriangleMesh tube;

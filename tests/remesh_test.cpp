@@ -7,8 +7,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
+#include <set>
+#include <tuple>
+#include <utility>
 
 #include "stages/quality.h"
 #include "stages/sizing.h"
@@ -182,21 +186,26 @@ Borders borders_of(const TriangleMesh& mesh) {
   return borders;
 }
 
-TEST(Remesh, APatchKeepsItsBorders) {
-  // A band of a tube, open at both ends.
-  Scene scene({40, 16, 16}, capsule({6, 8, 8}, {34, 8, 8}, 3));
+/// A band of a tube along x, open at both ends.
+TriangleMesh band_of(const TriangleMesh& tube) {
   TriangleMesh band;
-  band.vertices = scene.base.surface.vertices;
-  for (std::size_t c = 0; c < scene.base.surface.triangles.size(); c += 3) {
+  band.vertices = tube.vertices;
+  for (std::size_t c = 0; c < tube.triangles.size(); c += 3) {
     bool inside = true;
     for (int i = 0; i < 3; ++i) {
-      const Vec3 p = vertex_at(band, scene.base.surface.triangles[c + i]);
+      const Vec3 p = vertex_at(band, tube.triangles[c + i]);
       inside = inside && p.x > 12 && p.x < 28;
     }
     if (!inside) continue;
-    const auto first = scene.base.surface.triangles.begin() + static_cast<std::ptrdiff_t>(c);
+    const auto first = tube.triangles.begin() + static_cast<std::ptrdiff_t>(c);
     band.triangles.insert(band.triangles.end(), first, first + 3);
   }
+  return band;
+}
+
+TEST(Remesh, APatchKeepsItsBorders) {
+  const Scene scene({40, 16, 16}, capsule({6, 8, 8}, {34, 8, 8}, 3));
+  const TriangleMesh band = band_of(scene.base.surface);
   ASSERT_EQ(borders_of(band).loops, 2u);
   const TriangleMesh mesh =
       remesh(backend(), scene.base.field.view(), scene.sizes.view(scene.base.field), band);
@@ -215,6 +224,31 @@ TEST(Remesh, APatchKeepsItsBorders) {
     EXPECT_GT(p.x, 11.5f);
     EXPECT_LT(p.x, 28.5f);
   }
+}
+
+TEST(Remesh, PlacesAtABorderLeaveItAsItIs) {
+  const Scene scene({40, 16, 16}, capsule({6, 8, 8}, {34, 8, 8}, 3));
+  const TriangleMesh band = band_of(scene.remeshed());
+  const CarefulPlace place = {{13, 8, 11}, 4, 0.5f};
+  const TriangleMesh mesh = remesh_places(backend(), scene.base.field.view(),
+                                          scene.sizes.view(scene.base.field), band, {&place, 1});
+  EXPECT_GT(mesh.triangle_count(), band.triangle_count());
+  const auto rim_of = [](const TriangleMesh& open) {
+    std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
+    for (std::size_t c = 0; c < open.triangles.size(); ++c) {
+      const std::uint32_t v = open.triangles[c], w = open.triangles[c % 3 == 2 ? c - 2 : c + 1];
+      ++edges[{std::min(v, w), std::max(v, w)}];
+    }
+    std::set<std::array<float, 6>> rim;  // ends of edges with one triangle
+    for (const auto& [edge, count] : edges) {
+      if (count != 1) continue;
+      Vec3 a = vertex_at(open, edge.first), b = vertex_at(open, edge.second);
+      if (std::tie(b.x, b.y, b.z) < std::tie(a.x, a.y, a.z)) std::swap(a, b);
+      rim.insert({a.x, a.y, a.z, b.x, b.y, b.z});
+    }
+    return rim;
+  };
+  EXPECT_EQ(rim_of(mesh), rim_of(band));
 }
 
 TEST(Remesh, PlacesKeepTheInputOrGetShorterEdges) {

@@ -136,6 +136,7 @@ SurfaceBlocks::Taken take_out(const WorkingSurface& surface,
     whole[v] = local_degree[v] == degree[from] && (surface.fixed.empty() || !surface.fixed[from]);
   }
   taken.mesh.build(std::move(points), corners, std::move(whole));
+  if (surface.keeps_border) taken.mesh.hold_border();
   return taken;
 }
 
@@ -282,6 +283,7 @@ WorkingSurface make_working_surface(Backend& backend, const RemeshGoal& goal,
   const std::size_t count = surface.points.size();
   std::vector<std::uint8_t> rests(count, 0);
   if (goal.local) rests = put_to_rest(backend, *goal.places, surface);
+  surface.keeps_border = goal.local;
   backend.run(chunks(count), [&](std::size_t chunk) {
     for (std::size_t v = chunk * kChunk; v < std::min((chunk + 1) * kChunk, count); ++v) {
       if (rests[v]) continue;

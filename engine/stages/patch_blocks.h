@@ -25,6 +25,7 @@ struct WorkingSurface {
   std::vector<std::uint8_t> fixed;  ///< a point: not to be moved or removed; empty: none is
   std::vector<std::uint32_t> triangles;
   std::vector<std::uint32_t> resting;  ///< corners of triangles that no pass works on
+  bool keeps_border = false;           ///< vertices on borders stay as they are
 };
 
 /// The grid of cells of a pass.
@@ -66,8 +67,8 @@ void for_each_part(Backend& backend, std::span<PatchMesh* const> parts,
                    const std::function<void(PatchMesh&)>& work);
 
 /// The surface to work on: normals from the field (the mean of the triangles' where the field has
-/// none or denies it), sizes at the vertices. Triangles away from the places rest if the goal is
-/// local.
+/// none or denies it), sizes at the vertices. If the goal is local, triangles away from the places
+/// rest, and borders stay as they are.
 WorkingSurface make_working_surface(Backend& backend, const RemeshGoal& goal,
                                     const TriangleMesh& mesh);
 

@@ -84,6 +84,11 @@ bool PatchMesh::loop_is_short(std::uint32_t border) const {
   return false;
 }
 
+void PatchMesh::hold_border() {
+  for (std::uint32_t v = 0; v < vertex_count(); ++v)
+    if (is_there(v) && is_whole(v) && is_border(v)) whole_[v] = 0;
+}
+
 bool PatchMesh::may_collapse(std::uint32_t h, std::uint32_t gone, std::uint32_t kept) {
   if (!is_whole(gone) || !is_whole(kept)) return false;
   const std::uint32_t t = twin_[h];
@@ -108,7 +113,12 @@ bool PatchMesh::may_collapse(std::uint32_t h, std::uint32_t gone, std::uint32_t 
     common += mark_[apex(last)] == stamp_;
   }
   if (border_edge) return common == 1 && gone_size + kept_size > 2;
-  return common == 2 && (gone_size > 3 || kept_size > 3);
+  return common == 2 && (gone_size > 3 || kept_size > 3) && may_lose_triangle(apex(h)) &&
+         may_lose_triangle(apex(t)) && (is_border(kept) || gone_size + kept_size >= 4 + kLeastFan);
+}
+
+bool PatchMesh::may_lose_triangle(std::uint32_t v) const {
+  return !is_inner(v) || fan_size(v) > kLeastFan;
 }
 
 void PatchMesh::link(std::uint32_t a, std::uint32_t b) {

@@ -22,6 +22,7 @@ class PatchMesh {
  public:
   static constexpr std::uint32_t kNone = 0xffffffffu;
   static constexpr int kLeastLoop = 6;  ///< edges that a collapse leaves in a loop of border edges
+  static constexpr int kLeastFan = 4;   ///< triangles that a collapse leaves round an inner vertex
 
   std::vector<SurfacePoint> points;
 
@@ -30,6 +31,9 @@ class PatchMesh {
   /// \param whole  one a vertex.
   void build(std::vector<SurfacePoint> given, const std::vector<std::uint32_t>& corners,
              std::vector<std::uint8_t> whole);
+
+  /// Lets no operation change the vertices on borders: they are not whole any more.
+  void hold_border();
 
   std::uint32_t vertex_count() const { return static_cast<std::uint32_t>(points.size()); }
   std::uint32_t half_edge_end() const { return static_cast<std::uint32_t>(origin_.size()); }
@@ -83,7 +87,8 @@ class PatchMesh {
 
   /// Whether `gone`, an end of the edge h, may be merged into the other end `kept` without a change
   /// of topology: both whole; the link condition; a border vertex only along its border, whose loop
-  /// keeps kLeastLoop edges.
+  /// keeps kLeastLoop edges. Inner vertices keep kLeastFan triangles: three have angles of 120
+  /// degrees where the surface is flat, and a shell would end as a tetrahedron.
   bool may_collapse(std::uint32_t h, std::uint32_t gone, std::uint32_t kept);
 
   /// Merges. \pre may_collapse(h, gone, kept).
@@ -103,6 +108,7 @@ class PatchMesh {
   void set_edge(std::uint32_t v, std::uint32_t h);
   void remove_triangle(std::uint32_t h);
   bool loop_is_short(std::uint32_t border) const;
+  bool may_lose_triangle(std::uint32_t v) const;
 
   std::vector<std::uint32_t> origin_, twin_;
   std::vector<std::uint32_t> edge_;  // a vertex: a half-edge out of it; kNone when gone
