@@ -65,11 +65,11 @@ void Clearance::take_up_all(const PatchMesh& mesh, const Wanted& wanted) {
   for (const std::uint32_t h : chosen) take_up(mesh, h);
 }
 
-Clearance::Clearance(const PatchMesh& mesh) {
+Clearance::Clearance(const PatchMesh& mesh) : shells_(mesh) {
   take_up_all(mesh, [](std::uint32_t) { return true; });
 }
 
-Clearance::Clearance(const PatchMesh& mesh, std::span<const std::uint8_t> wanted) {
+Clearance::Clearance(const PatchMesh& mesh, std::span<const std::uint8_t> wanted) : shells_(mesh) {
   take_up_all(mesh, [&](std::uint32_t h) {
     return wanted[mesh.origin(h)] || wanted[mesh.target(h)] || wanted[mesh.apex(h)];
   });
@@ -78,6 +78,7 @@ Clearance::Clearance(const PatchMesh& mesh, std::span<const std::uint8_t> wanted
 void Clearance::take_up(const PatchMesh& mesh, std::uint32_t h) {
   const std::uint32_t index = h / 4;
   const Box box(mesh, corners_of(mesh, index));
+  shells_.take_up(mesh, h);
   if (index >= faces_.size()) faces_.resize(mesh.half_edge_end() / 4);
   Face& face = faces_[index];
   face.box = box;
@@ -118,6 +119,7 @@ void Clearance::find_candidates(const PatchMesh& mesh, std::span<const std::uint
 bool Clearance::is_clear(const PatchMesh& mesh, std::span<const std::uint32_t> gone,
                          std::span<const Corners> made) {
   if (made.empty()) return true;
+  if (!shells_.keep_volume(mesh, gone, made)) return false;
   Box around(mesh, made[0]);
   for (const Corners& t : made)
     for (const std::uint32_t v : t) around.take_in(place(mesh, v));

@@ -2,7 +2,8 @@
 
 /// \file
 /// Whether triangles that an operation would make run into others of the part: a hashed grid of
-/// its triangles' middles finds the candidates, exact predicates decide (stages/intersect.h).
+/// its triangles' middles finds the candidates, exact predicates decide (stages/intersect.h). And
+/// whether they would turn a small shell inside out (stages/small_shells.h).
 ///
 /// Teschner, Heidelberger, Mueller, Pomerantes, Gross: Optimized spatial hashing for collision
 /// detection of deformable objects, 2003.
@@ -14,6 +15,7 @@
 #include <vector>
 
 #include "stages/patch_mesh.h"
+#include "stages/small_shells.h"
 
 namespace vasamesh {
 
@@ -27,7 +29,8 @@ class Clearance {
   Clearance(const PatchMesh& mesh, std::span<const std::uint8_t> wanted);
 
   /// Whether the triangles `made` meet neither each other nor any triangle of the part but those of
-  /// the half-edges `gone`, beyond the vertices and edges that they share.
+  /// the half-edges `gone`, beyond the vertices and edges that they share; and a small shell keeps
+  /// its volume.
   bool is_clear(const PatchMesh& mesh, std::span<const std::uint32_t> gone,
                 std::span<const Corners> made);
 
@@ -85,6 +88,7 @@ class Clearance {
                        const Box& around);
   void collect(const PatchMesh& mesh, std::uint32_t slot, const Box& around);
 
+  SmallShells shells_;
   float inverse_side_ = 1;           ///< of a cell, in voxel lengths
   float reach_ = 0;                  ///< no box taken up has a longer half side
   std::vector<std::uint32_t> head_;  ///< a slot of the table: its first entry or kNone

@@ -1,0 +1,122 @@
+#include "stages/small_shells.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+#include "stages/disjoint_sets.h"
+
+namespace vasamesh {
+
+namespace {
+
+constexpr double kLeastShare = 0.5;  // of the volume at first
+constexpr double kLeastBulge =
+    0.06;  // volume over area^1.5 of a part of a shell; half a ball: 0.13
+
+SmallShells::Corners corners_of(const PatchMesh& mesh, std::uint32_t h) {
+  return {mesh.origin(h), mesh.target(h), mesh.apex(h)};
+}
+
+/// The lowest vertex of the shell of each vertex.
+std::vector<std::uint32_t> roots_of(const PatchMesh& mesh) {
+  DisjointSets joined(mesh.vertex_count());
+  for (std::uint32_t h = 0; h < mesh.half_edge_end(); ++h)
+    if (mesh.is_edge(h)) joined.unite(mesh.origin(h), mesh.target(h));
+  return std::move(joined).roots();
+}
+
+}  // namespace
+
+SmallShells::SmallShells(const PatchMesh& mesh)
+    : shell_of_(mesh.vertex_count(), kNone), end_(mesh.half_edge_end()) {
+  const std::vector<std::uint32_t> root = roots_of(mesh);
+  std::vector<std::uint32_t> size(root.size(), 0);
+  for (std::uint32_t h = 0; h < end_; h += 4)
+    if (mesh.is_edge(h)) ++size[root[mesh.origin(h)]];
+  std::vector<std::uint32_t> number(root.size(), kNone);
+  std::vector<Shell> found;
+  for (std::uint32_t h = 0; h < end_; h += 4) {
+    if (!mesh.is_edge(h) || size[root[mesh.origin(h)]] > kMost) continue;
+    std::uint32_t& shell = number[root[mesh.origin(h)]];
+    if (shell == kNone) {
+      shell = static_cast<std::uint32_t>(found.size());
+      found.emplace_back();
+    }
+    found[shell].faces.push_back(h);
+  }
+  for (Shell& shell : found) {
+    if (!is_small(mesh, shell)) continue;
+    for (const std::uint32_t h : shell.faces)
+      for (const std::uint32_t v : corners_of(mesh, h))
+        shell_of_[v] = static_cast<std::uint32_t>(shells_.size());
+    shells_.push_back(std::move(shell));
+  }
+}
+
+/// Whether a shell is closed or bulges. Sets its origin and volume.
+bool SmallShells::is_small(const PatchMesh& mesh, Shell& shell) const {
+  shell.origin = mesh.points[mesh.origin(shell.faces.front())].position;
+  bool closed = true;
+  double area = 0;
+  for (const std::uint32_t h : shell.faces) {
+    const Corners t = corners_of(mesh, h);
+    const Vec3& a = mesh.points[t[0]].position;
+    area +=
+        0.5 * double{norm(cross(mesh.points[t[1]].position - a, mesh.points[t[2]].position - a))};
+    for (const std::uint32_t v : t) {
+      if (mesh.is_inner(v)) continue;
+      closed = false;
+      shell.origin = mesh.points[v].position;
+    }
+  }
+  shell.volume = volume(mesh, shell);
+  return closed ? shell.volume != 0
+                : std::fabs(shell.volume) >= kLeastBulge * area * std::sqrt(area);
+}
+
+void SmallShells::take_up(const PatchMesh& mesh, std::uint32_t h) {
+  const std::uint32_t first = h & ~3u;
+  if (first < end_) return;
+  end_ = first + 4;
+  const Corners corners = corners_of(mesh, first);
+  const auto known = [&](std::uint32_t v) { return v < shell_of_.size(); };
+  const auto old = std::find_if(corners.begin(), corners.end(), known);
+  const std::uint32_t shell = shell_of_[*old];
+  for (const std::uint32_t v : corners) {
+    if (known(v)) continue;
+    shell_of_.resize(v + 1, kNone);
+    shell_of_[v] = shell;
+  }
+  if (shell != kNone) shells_[shell].faces.push_back(first);
+}
+
+/// Of the tetrahedron over a triangle.
+double SmallShells::six_volumes(const PatchMesh& mesh, const Shell& shell,
+                                const Corners& triangle) const {
+  const Vec3& o = shell.origin;
+  return double{
+      dot(mesh.points[triangle[0]].position - o,
+          cross(mesh.points[triangle[1]].position - o, mesh.points[triangle[2]].position - o))};
+}
+
+double SmallShells::volume(const PatchMesh& mesh, const Shell& shell) const {
+  double sum = 0;
+  for (const std::uint32_t h : shell.faces)
+    if (mesh.is_edge(h)) sum += six_volumes(mesh, shell, corners_of(mesh, h));
+  return sum / 6;
+}
+
+bool SmallShells::keep_volume(const PatchMesh& mesh, std::span<const std::uint32_t> gone,
+                              std::span<const Corners> made) const {
+  const std::uint32_t number = shell_of_[made[0][0]];
+  if (number == kNone) return true;
+  const Shell& shell = shells_[number];
+  double change = 0;
+  for (const std::uint32_t h : gone) change -= six_volumes(mesh, shell, corners_of(mesh, h));
+  for (const Corners& triangle : made) change += six_volumes(mesh, shell, triangle);
+  return (volume(mesh, shell) + change / 6) / shell.volume >= kLeastShare;
+}
+
+}  // namespace vasamesh
