@@ -13,6 +13,7 @@
 
 #include "support/analytic_lattice.h"
 #include "support/backend_test.h"
+#include "support/shapes.h"
 #include "tbb/backend.h"
 #include "types/mesh_vertex.h"
 
@@ -73,6 +74,18 @@ TEST(Sizing, ClampedAndNeverMuchMoreThanTheRadius) {
   EXPECT_FLOAT_EQ(size_at(view, {4, 12, 12}), 1.6f);
   EXPECT_NEAR(size_at(view, {34, 12.7f, 12}), 1.25f * 0.7f, 0.12f);
   EXPECT_FLOAT_EQ(size_at(view, {-3, 12, 12}), 1.6f);  // outside every brick
+}
+
+TEST(Sizing, AShellThatTheFunctionDoesNotShowHasEdgesOfItsSize) {
+  AnalyticScene scene(backend(), {24, 24, 24}, ball({12, 12, 12}, 8));
+  TriangleMesh cavity = moved(turned_inside_out(sphere(0.3, 1)), {15, 13, 12});
+  const TriangleMesh both = joined(scene.surface, cavity);
+  const SizeField without = make_sizes(backend(), scene.field, scene.surface, {});
+  const SizeField with = make_sizes(backend(), scene.field, both, {});
+  const Vec3 at = vertex_at(cavity, 0);
+  EXPECT_FLOAT_EQ(size_at(without.view(scene.field), at), 1.6f);
+  EXPECT_NEAR(size_at(with.view(scene.field), at), 1.25f * 0.3f, 0.01f);
+  EXPECT_FLOAT_EQ(size_at(with.view(scene.field), {4, 12, 12}), 1.6f);
 }
 
 /// Values that no step between neighbours can lower, found by trying all until nothing changes.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "stages/disjoint_sets.h"
 #include "types/mesh_vertex.h"
 
 namespace vasamesh {
@@ -13,6 +14,7 @@ namespace {
 
 constexpr std::size_t kCells = 64;  // size cells a brick
 constexpr std::size_t kTriangleGrain = 8192;
+constexpr float kSmallShell = 1;  // voxel lengths: half the longest side of the box round a shell
 constexpr float kRings[] = {1, 1, 2, 3};  // steps to the distances at which normals are compared
 constexpr std::uint32_t kNoVertex = 0xffffffffu;
 
@@ -205,6 +207,46 @@ void smooth_radii(Backend& backend, const IndicatorField& field, SurfaceSamples&
     if (samples.radius[i] > 0) samples.radius[i] = 1 / smooth[samples.cell[i]];
 }
 
+/// Half of the longest side of the box round the shell (joined by vertices) of each vertex.
+std::vector<float> shell_radii(const TriangleMesh& surface) {
+  DisjointSets joined(surface.vertex_count());
+  for (std::size_t c = 0; c < surface.triangles.size(); c += 3)
+    for (std::size_t i = 1; i < 3; ++i)
+      joined.unite(surface.triangles[c + i], surface.triangles[c]);
+  const std::vector<std::uint32_t> shell = std::move(joined).roots();
+  std::vector<Vec3> low(shell.size()), high(shell.size());
+  for (std::size_t v = 0; v < shell.size(); ++v) {
+    const Vec3 at = vertex_at(surface, v);
+    Vec3 &least = low[shell[v]], &most = high[shell[v]];
+    if (shell[v] == v) least = most = at;
+    least = {std::min(least.x, at.x), std::min(least.y, at.y), std::min(least.z, at.z)};
+    most = {std::max(most.x, at.x), std::max(most.y, at.y), std::max(most.z, at.z)};
+  }
+  std::vector<float> radii(shell.size());
+  for (std::size_t v = 0; v < shell.size(); ++v) {
+    const Vec3 side = high[shell[v]] - low[shell[v]];
+    radii[v] = 0.5f * std::max({side.x, side.y, side.z});
+  }
+  return radii;
+}
+
+/// Shells within a ball of kSmallShell have its radius of curvature at most: the function hardly
+/// shows them, and at a voxel's distance other sheets.
+void bound_by_shells(const FieldView& field, const TriangleMesh& surface, SurfaceSamples& samples) {
+  std::vector<float> bound(field.coefficients.size / kBrickCells * kCells, kSmallShell);
+  const std::vector<float> radii = shell_radii(surface);
+  for (std::size_t v = 0; v < radii.size(); ++v) {
+    if (radii[v] >= kSmallShell) continue;
+    float& here = bound[size_cell(field, vertex_at(surface, v))];
+    here = std::min(here, radii[v]);
+  }
+  for (std::size_t i = 0; i < samples.count(); ++i) {
+    const float most = bound[samples.cell[i]];
+    if (most < kSmallShell && !(samples.radius[i] > 0 && samples.radius[i] < most))
+      samples.radius[i] = most;
+  }
+}
+
 /// Sum over the triangles of their area over that of an equilateral one of the size there.
 double predict_triangles(Backend& backend, const SizeView& sizes, const TriangleMesh& surface) {
   const std::size_t count = surface.triangle_count();
@@ -315,6 +357,7 @@ SizeField make_sizes(Backend& backend, const IndicatorField& field, const Triang
   result.samples = first_vertices(view, surface);
   measure(backend, view, result.samples);
   smooth_radii(backend, field, result.samples);
+  bound_by_shells(view, surface, result.samples);
   result.sizes = Buffer<float>(backend, view.coefficients.size / kBrickCells * kCells);
   apply_rule(backend, field, surface, rule, {}, result);
   return result;

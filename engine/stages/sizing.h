@@ -31,7 +31,8 @@ struct SurfaceSamples {
   std::vector<std::uint32_t> cell;  ///< 64 * brick + place
   std::vector<Vec3> position;       ///< on the function's zero set, or else a base vertex
   std::vector<Vec3> normal;         ///< outward; zero where the zero set was not found
-  std::vector<float> radius;        ///< of curvature; 0 where the zero set was not found
+  std::vector<float> radius;        ///< of curvature; 0 where the zero set was not found; at most
+                                    ///< that of a small shell that passes the cell
 
   std::size_t count() const { return cell.size(); }
 };
