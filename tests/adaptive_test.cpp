@@ -9,6 +9,7 @@
 #include <cmath>
 #include <functional>
 #include <numbers>
+#include <random>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -180,6 +181,37 @@ TEST(Adaptive, NoiseIsProvenAtAllDensities) {
     const DenseVolume volume = random_volume({8, 7, 9}, density, ++seed);
     expect_proven(convert_adaptively(volume.view()), volume.view());
   }
+}
+
+/// Random specks on a grid of six voxels, and in the ball beside them cavities of one voxel.
+DenseVolume dust() {
+  DenseVolume volume({64, 30, 30});
+  std::mt19937 random(7);
+  for (int z = 3; z < 27; z += 6)
+    for (int y = 3; y < 27; y += 6)
+      for (int x = 3; x < 34; x += 6)
+        for (int n = 0; n < 3; ++n)
+          volume.at(x + static_cast<int>(random() % 2), y + static_cast<int>(random() % 2),
+                    z + static_cast<int>(random() % 2)) = 1;
+  for (int z = 0; z < 30; ++z)
+    for (int y = 0; y < 30; ++y)
+      for (int x = 0; x < 30; ++x) {
+        const double from = std::hypot(x - 14.5, y - 14.5, z - 14.5);
+        volume.at(34 + x, y, z) = from < 12.5 && !(from < 11 && x % 6 == 0 && y % 6 == 0 &&
+                                                   z % 6 == static_cast<int>(random() % 6));
+      }
+  return volume;
+}
+
+TEST(Adaptive, SpecksAndCavitiesOfOneVoxelAreWellShaped) {
+  const DenseVolume volume = dust();
+  const Result result = convert_adaptively(volume.view());
+  expect_proven(result, volume.view());
+  EXPECT_GE(result.report.check.topology.pieces, 90);
+  EXPECT_GE(result.report.check.topology.cavities, 8);
+  EXPECT_EQ(result.report.mesh.base_share, 0);
+  EXPECT_EQ(result.report.quality.edge_ratio_below_03, 0);
+  EXPECT_GE(result.report.quality.edge_ratio_above_08, 0.6);
 }
 
 TEST(Adaptive, PresetsAreProvenAndOfTheirSizes) {

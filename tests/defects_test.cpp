@@ -45,11 +45,11 @@ TEST_F(Defects, AnotherEulerNumberIsAnotherTopology) {
   EXPECT_FALSE(has_topology_of(ball_, moved(torus(9, 3, 60, 30), {20, 20, 20})));
 }
 
-TEST_F(Defects, APieceThatTheBaseLacksIsFoundToTheVertex) {
+TEST_F(Defects, APieceThatTheBaseLacksIsFoundAllOver) {
   const Vertex place = {47, 21, 14};
   const TriangleMesh two = joined(ball_, moved(sphere(1, 2), place));
   for (const auto& found : {between(ball_, two), between(two, ball_)}) {
-    ASSERT_FALSE(found.empty());
+    EXPECT_GE(found.size(), 160u);  // of 162 vertices
     for (const Vec3& p : found) EXPECT_LT(norm(p - Vec3{place[0], place[1], place[2]}), 1.01f);
   }
 }

@@ -20,6 +20,7 @@ namespace vasamesh::test {
 namespace {
 
 constexpr float kLimit = 0.8f, kRadius = 4;
+constexpr std::size_t kEnough = 1000000;
 
 /// A ring, its own base surface and marching cubes.
 class SettleTest : public ::testing::Test {
@@ -34,9 +35,23 @@ class SettleTest : public ::testing::Test {
         mesh_(remesh(*backend_, scene_.field.view(), sizes_.view(scene_.field), scene_.surface)) {}
 
   Settled settled(TriangleMesh mesh, Backend& on, std::span<const CarefulPlace> within = {}) const {
-    const Bounds bounds = {scene_.surface, tree_, solid_, tree_, kLimit};
+    std::size_t work = kEnough;
+    return settled(std::move(mesh), on, within, solid_, work);
+  }
+  Settled settled(TriangleMesh mesh, Backend& on, std::span<const CarefulPlace> within,
+                  const SolidSurface& solid, std::size_t& work) const {
+    const Bounds bounds = {scene_.surface, tree_, solid, tree_, kLimit};
     return settle(on, scene_.field.view(), sizes_.view(scene_.field), bounds, kRadius,
-                  std::move(mesh), within, {});
+                  std::move(mesh), within, {}, work);
+  }
+
+  /// Marching cubes with a small triangle in the middle of the hole.
+  SolidSurface crumbed() const {
+    SolidSurface solid = solid_;
+    const auto first = static_cast<std::uint32_t>(solid.all.vertex_count());
+    solid.all.vertices.insert(solid.all.vertices.end(), {18, 18, 8, 18.2f, 18, 8, 18, 18.2f, 8});
+    solid.all.triangles.insert(solid.all.triangles.end(), {first, first + 1, first + 2});
+    return solid;
   }
 
   /// The mesh with its vertices on one side drawn together to a tenth, and one drawn out.
@@ -71,13 +86,17 @@ TEST_F(SettleTest, ADamagedPlaceIsMadeGood) {
 }
 
 TEST_F(SettleTest, APointThatCannotBeReachedIsReported) {
-  SolidSurface crumbed = solid_;  // a small triangle in the middle of the hole
-  const auto first = static_cast<std::uint32_t>(crumbed.all.vertex_count());
-  crumbed.all.vertices.insert(crumbed.all.vertices.end(), {18, 18, 8, 18.2f, 18, 8, 18, 18.2f, 8});
-  crumbed.all.triangles.insert(crumbed.all.triangles.end(), {first, first + 1, first + 2});
-  const Bounds bounds = {scene_.surface, tree_, crumbed, tree_, kLimit};
-  const Settled result = settle(*backend_, scene_.field.view(), sizes_.view(scene_.field), bounds,
-                                kRadius, mesh_, {}, {});
+  std::size_t work = kEnough;
+  const Settled result = settled(mesh_, *backend_, {}, crumbed(), work);
+  EXPECT_LT(work, kEnough);
+  EXPECT_FALSE(result.far.empty());
+  expect_good_surface(result.mesh, Topology{1, 1, 0});
+}
+
+TEST_F(SettleTest, NoTryBeginsWithoutWork) {
+  std::size_t work = 1;
+  const Settled result = settled(mesh_, *backend_, {}, crumbed(), work);
+  EXPECT_EQ(work, 0u);
   EXPECT_FALSE(result.far.empty());
   expect_good_surface(result.mesh, Topology{1, 1, 0});
 }

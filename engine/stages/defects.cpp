@@ -16,6 +16,8 @@ namespace vasamesh {
 
 namespace {
 
+constexpr float kFarShare = 0.5f;  // of the largest distance
+
 std::int64_t euler_number(const TriangleMesh& closed) {
   return static_cast<std::int64_t>(closed.vertex_count()) -
          static_cast<std::int64_t>(closed.triangle_count() / 2);
@@ -61,16 +63,18 @@ bool is_in_cube(const Vec3& middle, const Vec3& p) {
   return std::max({std::fabs(off.x), std::fabs(off.y), std::fabs(off.z)}) <= kCurvatureCube / 2;
 }
 
-/// Appends the vertex of `from` in the cube that is farthest from the other surface, if any.
+/// Appends the vertices of `from` in the cube that are farthest from the other surface, or half as
+/// far: what one surface lacks is more than one place.
 void add_farthest(Backend& backend, const Vec3& middle, const TriangleMesh& from,
                   const TriangleMesh& to, const TriangleTree& tree, std::vector<Vec3>& found) {
   std::vector<Vec3> points;
   for (std::size_t v = 0; v < from.vertex_count(); ++v)
     if (is_in_cube(middle, vertex_at(from, v))) points.push_back(vertex_at(from, v));
   const std::vector<float> distances = distances_to(backend, points, to, tree);
-  const auto farthest = std::max_element(distances.begin(), distances.end());
-  if (farthest != distances.end())
-    found.push_back(points[static_cast<std::size_t>(farthest - distances.begin())]);
+  if (points.empty()) return;
+  const float far = kFarShare * *std::max_element(distances.begin(), distances.end());
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (distances[i] >= far) found.push_back(points[i]);
 }
 
 }  // namespace

@@ -44,7 +44,7 @@ DisjointSets find_fans(const TriangleMesh& mesh) {
 
 }  // namespace
 
-void drop_repeated_edges(TriangleMesh& mesh) {
+bool drop_repeated_edges(TriangleMesh& mesh) {
   const VertexCorners at = vertex_corners(mesh);
   std::vector<std::uint8_t> dropped(mesh.triangle_count(), 0);
   bool any = false;
@@ -56,7 +56,7 @@ void drop_repeated_edges(TriangleMesh& mesh) {
         dropped[a / 3] = dropped[b / 3] = 1;
         any = true;
       }
-  if (!any) return;
+  if (!any) return false;
   std::size_t kept = 0;
   for (std::size_t t = 0; t < dropped.size(); ++t) {
     if (dropped[t]) continue;
@@ -64,6 +64,7 @@ void drop_repeated_edges(TriangleMesh& mesh) {
     ++kept;
   }
   mesh.triangles.resize(3 * kept);
+  return true;
 }
 
 void split_pinches(TriangleMesh& mesh) {

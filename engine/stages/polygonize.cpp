@@ -25,11 +25,13 @@ namespace vasamesh {
 
 namespace {
 
-constexpr double kLeastTriangles = 120;  // for each piece, handle and cavity but one
-constexpr int kFrontAttempts = 6;        // surfaces of mesh expanding
-constexpr int kRemeshAttempts = 3;       // then, of the base surface remeshed whole
-constexpr int kAims = 3;                 // attempts at a number of triangles
-constexpr double kCountTolerance = 0.1;  // of the triangles that are asked for
+constexpr double kLeastTriangles = 50;  // for each handle
+constexpr int kFrontAttempts = 6;       // surfaces of mesh expanding
+constexpr int kRemeshAttempts = 3;      // then, of the base surface remeshed whole
+constexpr double kMostRedone = 0.2;     // of the area: beyond it, the whole is remeshed instead
+constexpr std::size_t kWork = 3, kLeastWork = 50000;  // of settling: times a surface's triangles
+constexpr int kAims = 3;                              // attempts at a number of triangles
+constexpr double kCountTolerance = 0.1;               // of the triangles that are asked for
 constexpr float kRemeshFactors[] = {0.5f, 0};
 constexpr float kFactors[] = {0.7f, 0.5f, 0.35f, 0};  // of the edges in a place, failure by failure
 constexpr float kPlace = 2.5f;                        // longest edges: a place's radius,
@@ -88,6 +90,7 @@ Polygonizer::Polygonizer(Scheduler& scheduler, const Lattice& lattice,
       base_(std::move(base)),
       limit_(distance_limit(scale)) {
   for (std::size_t i = 0; i < base_.vertices.size(); ++i) base_.vertices[i] *= scale_[i % 3];
+  base_area_ = area_of(base_);
   scheduler_.begin("sizes", Stage::sizing);
   sizing().on_host(View<const std::uint8_t>(lattice.state.view()));
   backend_.run(2, [&](std::size_t half) {  // each half has work of one thread alone
@@ -126,8 +129,7 @@ void Polygonizer::aim(double triangles) {
 }
 
 bool Polygonizer::is_worthwhile(const Topology& topology) const {
-  const auto features = static_cast<double>(topology.pieces + topology.handles + topology.cavities);
-  return sizes_.predicted_triangles >= kLeastTriangles * (features - 1);
+  return sizes_.predicted_triangles >= kLeastTriangles * static_cast<double>(topology.handles);
 }
 
 std::optional<TriangleMesh> Polygonizer::next() {
@@ -160,7 +162,10 @@ Verdict Polygonizer::judge(const CheckReport& check) {
   const bool best = !proven_ || astray_.size() < least_astray_;
   proven_ = true;
   if (best) least_astray_ = astray_.size();
-  if (!astray_.empty()) plan_after(astray_);
+  if (work_ == 0u)
+    plan_ = Plan::stop;
+  else if (!astray_.empty())
+    plan_after(astray_);
   return best ? Verdict::keep : Verdict::refuse;
 }
 
@@ -192,13 +197,21 @@ void Polygonizer::note(const std::vector<Vec3>& defects, std::span<const float> 
   }
 }
 
+/// Whether the fresh places are some, and a small part of the surface.
+bool Polygonizer::can_be_redone() const {
+  constexpr double kPi = 3.141592653589793;
+  const double radius = place_radius();
+  const auto fresh = static_cast<double>(places_.size() - first_fresh_);
+  return fresh > 0 && fresh * kPi * radius * radius < kMostRedone * base_area_;
+}
+
 /// The next surface, after one with defects.
 void Polygonizer::plan_after(const std::vector<Vec3>& defects) {
   ++failures_;
   if (plan_ != Plan::remesh) {
     note(defects, kFactors);
     plan_ = Plan::redo;
-    if (!defects.empty() && failures_ < kFrontAttempts) return;
+    if (failures_ < kFrontAttempts && can_be_redone()) return;
     if (proven_)
       plan_ = Plan::stop;
     else
@@ -213,6 +226,7 @@ void Polygonizer::plan_after(const std::vector<Vec3>& defects) {
 void Polygonizer::start_over(Plan plan) {
   plan_ = plan;
   failures_ = 0;
+  work_.reset();
   places_.clear();
   apply_rule(sizing(), field_, base_, rule_, places_, sizes_);
   report_.rounds = 0;
@@ -232,7 +246,7 @@ bool Polygonizer::count_is_right(std::int64_t triangles) {
 TriangleMesh Polygonizer::expanded() {
   const std::vector<std::uint8_t> hard = find_hard_regions(backend_, field_, sizes_, rule_, base_);
   const TriangleMesh part = part_of(base_, hard);
-  report_.hard_share = area_of(part) / area_of(base_);
+  report_.hard_share = area_of(part) / base_area_;
   scheduler_.begin("remesh", Stage::relax);
   TriangleMesh patches;
   if (!part.triangles.empty())
@@ -282,6 +296,7 @@ TriangleMesh Polygonizer::front_over(const TriangleMesh& patches) {
 
   scheduler_.begin("stitch", Stage::stitch);
   Backend& stitching = scheduler_.backend_for(Stage::stitch);
+  if (drop_repeated_edges(front.mesh)) front.loops = find_gap_loops(stitching, front.mesh);
   const StitchReport stitched =
       stitch_gaps(stitching, field_.view(), sizes_.view(field_), stitch_, front.loops, front.mesh);
   report_.gaps += stitched.loops;
@@ -306,10 +321,11 @@ TriangleMesh Polygonizer::settled(TriangleMesh mesh) {
                    "few places, each mended by long, branching tasks with exact predicates");
   has_topology_ = has_topology_of(base_, mesh);
   if (!has_topology_) return mesh;
+  if (!work_) work_ = kWork * mesh.triangle_count() + kLeastWork;
   const Bounds bounds = {base_, base_tree_, solid_, solid_tree_, limit_};
   const std::span<const CarefulPlace> within = settled_ ? changed_ : std::span<CarefulPlace>();
   Settled result = settle(backend_, field_.view(), sizes_.view(field_), bounds, place_radius(),
-                          std::move(mesh), within, astray_);
+                          std::move(mesh), within, astray_, *work_);
   astray_ = std::move(result.far);
   settled_ = true;
   changed_.clear();

@@ -42,16 +42,16 @@ class Polygonizer {
   Polygonizer(Scheduler& scheduler, const Lattice& lattice, const std::array<int, 3>& size,
               const Scale& scale, TriangleMesh base, const Parameters& parameters);
 
-  /// Whether the surface is smooth enough for edges of the lengths that are asked for: not noise or
-  /// dust, where pieces, handles and cavities are hardly larger than a triangle.
+  /// Whether the surface is smooth enough for edges of the lengths that are asked for: not noise,
+  /// where handles are hardly larger than a few triangles.
   bool is_worthwhile(const Topology& topology) const;
 
   /// The next surface to prove, in padded voxel units; none when there is no other.
   ///
   /// First that of mesh expanding, then the same with the places that failed made again from the
   /// base surface, with ever shorter edges and at last as it is there. If none of these is proven,
-  /// the base surface remeshed as a whole, with the same care. Those that cannot have the right
-  /// topology are not given out.
+  /// or too much of one has failed, the base surface remeshed as a whole, with the same care. Those
+  /// that cannot have the right topology are not given out.
   std::optional<TriangleMesh> next();
 
   /// Judges the surface that next() gave last by its proof, by how far it leaves the segmentation
@@ -76,6 +76,7 @@ class Polygonizer {
   float longest_edge() const;
   float place_radius() const;
   void note(const std::vector<Vec3>& defects, std::span<const float> factors);
+  bool can_be_redone() const;
   void plan_after(const std::vector<Vec3>& defects);
   void start_over(Plan plan);
   TriangleMesh in_voxels(TriangleMesh mesh) const;
@@ -87,6 +88,7 @@ class Polygonizer {
   SizeRule asked_, rule_;
   double wanted_triangles_ = 0;  ///< 0: as many as the rule gives
   TriangleMesh base_;            ///< voxel lengths
+  double base_area_ = 0;         ///< square voxel lengths
   TriangleTree base_tree_;
   SolidSurface solid_;       ///< the segmentation's, voxel lengths
   TriangleTree solid_tree_;  ///< of what its surfaces have in common
@@ -104,6 +106,7 @@ class Polygonizer {
   TriangleMesh last_;                 ///< voxel lengths
   bool has_topology_ = false;         ///< the last surface has the base surface's, it seems
   bool settled_ = false;              ///< the last surface is, but in
+  std::optional<std::size_t> work_;   ///< that is left for the settling of the plan's surfaces
   std::vector<CarefulPlace> changed_;
   MeshReport report_;
 };

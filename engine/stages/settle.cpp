@@ -37,10 +37,9 @@ constexpr float kFactors[] = {0.8f, 0.55f, 0.7f,  1,    0.8f, 0.6f, 0.35f, 0.6f,
 constexpr std::size_t kChain = 3, kHalf = 12;  // tries
 constexpr float kPart[] = {1, 0.6f};           // of the place's radius, half by half
 constexpr int kAgain = 2;  // that a try is brought near again: one move may leave other points far
-constexpr std::size_t kWork = 3, kLeastWork = 100000;  // of all tries: times the mesh's triangles
-constexpr std::size_t kTogether = 8;                   // places that are mended at the same time
-constexpr float kMending = 2;  // voxel lengths round a triangle of poor shape
-constexpr float kBlock = 32;   // voxel lengths
+constexpr std::size_t kTogether = 8;  // places that are mended at the same time
+constexpr float kMending = 2;         // voxel lengths round a triangle of poor shape
+constexpr float kBlock = 32;          // voxel lengths
 constexpr int kMendingRounds = 2, kEveningPasses = 4, kWideningPasses = 12;
 constexpr float kGrowth[] = {1, 1.35f, 1.7f, 2.2f};
 
@@ -293,8 +292,9 @@ class Settling {
   }
 
   /// Mends all places and those that come of that, in turn: each finds the surface as those before
-  /// it that reach as far have left it. \param work  triangles that may be worked on, about.
-  void mend_all(std::vector<CarefulPlace> places, float radius, std::size_t work,
+  /// it that reach as far have left it. \param work  triangles that may be worked on, about; what
+  /// is left of them.
+  void mend_all(std::vector<CarefulPlace> places, float radius, std::size_t& work,
                 Settled& settled) const {
     for (std::size_t first = 0; first < places.size() && work > 0;) {
       const std::size_t end = places.size();
@@ -360,7 +360,8 @@ class Settling {
 
 Settled settle(Backend& backend, const FieldView& field, const SizeView& sizes,
                const Bounds& bounds, float radius, TriangleMesh mesh,
-               std::span<const CarefulPlace> within, const std::vector<Vec3>& far) {
+               std::span<const CarefulPlace> within, const std::vector<Vec3>& far,
+               std::size_t& work) {
   if (mesh.triangles.empty()) return {std::move(mesh), {}};
   const Settling settling(backend, field, sizes, bounds);
   Settled settled;
@@ -368,8 +369,7 @@ Settled settle(Backend& backend, const FieldView& field, const SizeView& sizes,
   const Faults faults = settling.bring_nearer(
       settling.faults_of(settled.mesh, bounds.solid.all, wider(within, kReach), far), settled.mesh);
   settled.far = faults.far;
-  settling.mend_all(places_at(faults.within({}), radius, 1), radius,
-                    kWork * settled.mesh.triangle_count() + kLeastWork, settled);
+  settling.mend_all(places_at(faults.within({}), radius, 1), radius, work, settled);
   return settled;
 }
 

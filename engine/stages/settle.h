@@ -5,6 +5,7 @@
 /// triangles of poor shape are mended (even_edges, widen_angles), and where it is still too far or
 /// has small angles, it is remeshed there with shorter edges, and brought near again.
 
+#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -36,12 +37,15 @@ struct Settled {
 /// \param radius  of the places that are remeshed, voxel lengths.
 /// \param within  if not empty: the places in which the mesh is new; elsewhere it has settled
 ///        before, and left `far`.
+/// \param work  triangles that the tries may work on, counted once a try: none begins when there
+/// are
+///        no more. What is left of them.
 /// \return a surface of the same topology. Each place is as the best of several tries left it: with
 ///         the fewest triangles that meet, then the fewest points too far, then the fewest
-///         triangles with angles below 10 and below 20 degrees. Of very many places the worst
-///         alone are tried.
+///         triangles with angles below 10 and below 20 degrees. The worst places come first.
 Settled settle(Backend& backend, const FieldView& field, const SizeView& sizes,
                const Bounds& bounds, float radius, TriangleMesh mesh,
-               std::span<const CarefulPlace> within, const std::vector<Vec3>& far);
+               std::span<const CarefulPlace> within, const std::vector<Vec3>& far,
+               std::size_t& work);
 
 }  // namespace vasamesh
