@@ -216,7 +216,7 @@ SHAPES = [
         "share of the base surface, %",
         "base share, %",
         lambda row: 100 * row["mesh"]["base_share"],
-        "{:.0f}",
+        "{:.2f}",
         always(0),
         "0",
     ),

@@ -29,7 +29,7 @@ constexpr double kLeastTriangles = 50;  // for each handle
 constexpr int kFrontAttempts = 6;       // surfaces of mesh expanding
 constexpr int kRemeshAttempts = 3;      // then, of the base surface remeshed whole
 constexpr double kMostRedone = 0.2;     // of the area: beyond it, the whole is remeshed instead
-constexpr std::size_t kWork = 3, kLeastWork = 50000;  // of settling: times a surface's triangles
+constexpr std::size_t kWork = 3, kLeastWork = 25000;  // of settling: times a surface's triangles
 constexpr int kAims = 3;                              // attempts at a number of triangles
 constexpr double kCountTolerance = 0.1;               // of the triangles that are asked for
 constexpr float kRemeshFactors[] = {0.5f, 0};
@@ -136,10 +136,24 @@ std::optional<TriangleMesh> Polygonizer::next() {
   while (plan_ != Plan::stop) {
     last_ = made();
     ++report_.attempts;
+    report_.base_share = base_share();
     if (has_topology_) return in_voxels(last_);
     plan_after(find_defects(backend_, base_, base_tree_, last_, true));
   }
   return std::nullopt;
+}
+
+/// Of the area, where places keep the base surface as it is.
+double Polygonizer::base_share() const {
+  const std::vector<CarefulPlace> places = where_base_stays(places_);
+  if (places.empty()) return 0;
+  const std::vector<std::uint8_t> within = vertices_in(backend_, Places(places), base_);
+  std::vector<std::uint8_t> stays(base_.triangle_count());
+  for (std::size_t t = 0; t < stays.size(); ++t) {
+    const std::uint32_t* v = &base_.triangles[3 * t];
+    stays[t] = within[v[0]] && within[v[1]] && within[v[2]];
+  }
+  return area_of(part_of(base_, stays)) / base_area_;
 }
 
 TriangleMesh Polygonizer::made() {

@@ -66,6 +66,7 @@ class Polygonizer {
   void aim(double triangles);
   bool count_is_right(std::int64_t triangles);
   TriangleMesh made();
+  double base_share() const;
   TriangleMesh expanded();
   TriangleMesh redone();
   TriangleMesh remeshed();

@@ -37,9 +37,8 @@ struct Settled {
 /// \param radius  of the places that are remeshed, voxel lengths.
 /// \param within  if not empty: the places in which the mesh is new; elsewhere it has settled
 ///        before, and left `far`.
-/// \param work  triangles that the tries may work on, counted once a try: none begins when there
-/// are
-///        no more. What is left of them.
+/// \param work  triangles that the tries may work on, counted once a try, of which none begins when
+///        they are used up. What is left of them.
 /// \return a surface of the same topology. Each place is as the best of several tries left it: with
 ///         the fewest triangles that meet, then the fewest points too far, then the fewest
 ///         triangles with angles below 10 and below 20 degrees. The worst places come first.

@@ -11,9 +11,8 @@ namespace vasamesh {
 
 namespace {
 
-constexpr double kLeastShare = 0.5;  // of the volume at first
-constexpr double kLeastBulge =
-    0.06;  // volume over area^1.5 of a part of a shell; half a ball: 0.13
+constexpr double kLeastShare = 0.5;   // of the volume at first
+constexpr double kLeastBulge = 0.06;  // volume over area^1.5 of an open one; half a ball: 0.13
 
 SmallShells::Corners corners_of(const PatchMesh& mesh, std::uint32_t h) {
   return {mesh.origin(h), mesh.target(h), mesh.apex(h)};

@@ -62,7 +62,7 @@ std::string describe_closed(const RelabelReport& relabel) {
 /// How the triangles of an adaptive surface came about.
 void print_mesh(const MeshReport& mesh) {
   fmt::print("{:<10}", "Mesh");
-  if (mesh.base_share > 0) {
+  if (mesh.base_share == 1) {
     fmt::print("the base surface's, since no adaptive one was proven");
   } else if (mesh.front_triangles == 0) {
     fmt::print("the base surface remeshed");
@@ -71,6 +71,8 @@ void print_mesh(const MeshReport& mesh) {
                mesh.front_triangles, mesh.gap_triangles, plural(mesh.gaps, "gap", "gaps"),
                100 * mesh.hard_share);
   }
+  if (mesh.base_share > 0 && mesh.base_share < 1)
+    fmt::print("; {:.2f} % of the area is the base surface's", 100 * mesh.base_share);
   fmt::print("; {}\n", plural(mesh.attempts, "attempt", "attempts"));
 }
 
