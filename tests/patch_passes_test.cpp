@@ -297,12 +297,12 @@ TEST_F(PatchPasses, ATurnedEdgeMayFoldNoTriangle) {
 
 TEST_F(PatchPasses, AnEdgeTurnsOnlyWhereItMeetsNothing) {
   // A tent over (0, 1), and a triangle through the place of the edge (2, 3) below it.
-  std::vector<Vec3> places = {{7, 8, 8.5f}, {9, 8, 8.5f}, {8, 9, 8}, {8, 7, 8}};
+  std::vector<Vec3> places = {{7, 8, 8.2f}, {9, 8, 8.2f}, {8, 9, 8}, {8, 7, 8}};
   std::vector<std::uint32_t> corners = {0, 1, 2, 1, 0, 3};
   PatchMesh clear = flat_patch(places, corners, 1);
   Clearance above(clear);
   EXPECT_TRUE(above.flip_if_clear(clear, 0));
-  places.insert(places.end(), {{7.9f, 8, 7.5f}, {8.1f, 8, 7.5f}, {8, 8, 8.3f}});
+  places.insert(places.end(), {{7.9f, 8, 7.5f}, {8.1f, 8, 7.5f}, {8, 8, 8.1f}});
   corners.insert(corners.end(), {4, 5, 6});
   PatchMesh blocked = flat_patch(places, corners, 1);
   Clearance clearance(blocked);
