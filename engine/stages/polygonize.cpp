@@ -28,6 +28,7 @@ namespace {
 constexpr double kLeastTriangles = 50;  // for each handle
 constexpr int kFrontAttempts = 6;       // surfaces of mesh expanding
 constexpr int kRemeshAttempts = 3;      // then, of the base surface remeshed whole
+constexpr double kMostHard = 0.98;      // of the area: the front would have no room beside it
 constexpr double kMostRedone = 0.2;     // of the area: beyond it, the whole is remeshed instead
 constexpr std::size_t kWork = 3, kLeastWork = 25000;  // of settling: times a surface's triangles
 constexpr int kAims = 3;                              // attempts at a number of triangles
@@ -261,6 +262,10 @@ TriangleMesh Polygonizer::expanded() {
   const std::vector<std::uint8_t> hard = find_hard_regions(backend_, field_, sizes_, rule_, base_);
   const TriangleMesh part = part_of(base_, hard);
   report_.hard_share = area_of(part) / base_area_;
+  if (report_.hard_share > kMostHard) {
+    plan_ = Plan::remesh;
+    return remeshed();
+  }
   scheduler_.begin("remesh", Stage::relax);
   TriangleMesh patches;
   if (!part.triangles.empty())

@@ -50,8 +50,9 @@ class Polygonizer {
   ///
   /// First that of mesh expanding, then the same with the places that failed made again from the
   /// base surface, with ever shorter edges and at last as it is there. If none of these is proven,
-  /// or too much of one has failed, the base surface remeshed as a whole, with the same care. Those
-  /// that cannot have the right topology are not given out.
+  /// or too much of one has failed, or there is hardly any room for the front, the base surface
+  /// remeshed as a whole, with the same care. Those that cannot have the right topology are not
+  /// given out.
   std::optional<TriangleMesh> next();
 
   /// Judges the surface that next() gave last by its proof, by how far it leaves the segmentation
