@@ -1,5 +1,8 @@
 #include "stages/adjacency.h"
 
+#include <utility>
+
+#include "stages/disjoint_sets.h"
 #include "vasamesh/errors.h"
 
 namespace vasamesh {
@@ -17,6 +20,17 @@ VertexCorners vertex_corners(const TriangleMesh& mesh) {
     result.corner[result.first[mesh.triangles[c] + 1]++] = static_cast<std::uint32_t>(c);
   result.first.pop_back();
   return result;
+}
+
+std::vector<std::uint32_t> connect_vertices(const TriangleMesh& mesh,
+                                            std::span<const std::uint8_t> chosen) {
+  DisjointSets sets(mesh.vertex_count());
+  for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
+    if (!chosen.empty() && !chosen[t]) continue;
+    sets.unite(mesh.triangles[3 * t], mesh.triangles[3 * t + 1]);
+    sets.unite(mesh.triangles[3 * t], mesh.triangles[3 * t + 2]);
+  }
+  return std::move(sets).roots();
 }
 
 }  // namespace vasamesh

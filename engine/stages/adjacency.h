@@ -1,9 +1,10 @@
 #pragma once
 
 /// \file
-/// Which triangles meet at each vertex, in flat arrays.
+/// Which triangles meet at each vertex, and which vertices hang together, in flat arrays.
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "vasamesh/types.h"
@@ -19,5 +20,10 @@ struct VertexCorners {
 
 /// All indices must be below the number of vertices. \throws Error refused beyond 2^32 corners.
 VertexCorners vertex_corners(const TriangleMesh& mesh);
+
+/// The lowest vertex that each vertex hangs together with by the chosen triangles (a byte a
+/// triangle; all, if there are none).
+std::vector<std::uint32_t> connect_vertices(const TriangleMesh& mesh,
+                                            std::span<const std::uint8_t> chosen = {});
 
 }  // namespace vasamesh

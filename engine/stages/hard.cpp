@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <utility>
 
+#include "stages/adjacency.h"
 #include "stages/disjoint_sets.h"
 #include "types/mesh_vertex.h"
 
@@ -143,12 +144,7 @@ bool widen_pinches(const TriangleMesh& surface, const std::vector<std::uint8_t>&
 /// triangles that the cells of the growth's rim leave.
 void drop_islands(const TriangleMesh& surface, const std::vector<std::uint8_t>& flagged,
                   std::vector<std::uint8_t>& hard) {
-  DisjointSets regions(surface.vertex_count());
-  for (std::size_t t = 0; t < hard.size(); ++t)
-    if (hard[t])
-      for (std::size_t i = 1; i < 3; ++i)
-        regions.unite(surface.triangles[3 * t + i], surface.triangles[3 * t]);
-  const std::vector<std::uint32_t> root = std::move(regions).roots();
+  const std::vector<std::uint32_t> root = connect_vertices(surface, hard);
   std::vector<std::uint8_t> kept(root.size(), 0);
   for (std::uint32_t v = 0; v < root.size(); ++v)
     if (flagged[v] == kWithin) kept[root[v]] = 1;

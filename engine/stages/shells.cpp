@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <utility>
 
-#include "stages/disjoint_sets.h"
+#include "stages/adjacency.h"
 #include "stages/rays.h"
 
 namespace vasamesh {
@@ -16,17 +15,6 @@ constexpr std::size_t kShellsATask = 64;
 
 const float* vertex(const TriangleMesh& mesh, std::size_t v) {
   return mesh.vertices.data() + 3 * v;
-}
-
-std::vector<std::uint32_t> connect_vertices(const TriangleMesh& mesh,
-                                            const std::vector<std::uint8_t>& valid) {
-  DisjointSets sets(mesh.vertex_count());
-  for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
-    if (!valid[t]) continue;
-    sets.unite(mesh.triangles[3 * t], mesh.triangles[3 * t + 1]);
-    sets.unite(mesh.triangles[3 * t], mesh.triangles[3 * t + 2]);
-  }
-  return std::move(sets).roots();
 }
 
 /// Six times the volume of the tetrahedron from `origin` to a triangle.

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "stages/disjoint_sets.h"
+#include "stages/adjacency.h"
 #include "types/mesh_vertex.h"
 
 namespace vasamesh {
@@ -209,11 +209,7 @@ void smooth_radii(Backend& backend, const IndicatorField& field, SurfaceSamples&
 
 /// Half of the longest side of the box round the shell (joined by vertices) of each vertex.
 std::vector<float> shell_radii(const TriangleMesh& surface) {
-  DisjointSets joined(surface.vertex_count());
-  for (std::size_t c = 0; c < surface.triangles.size(); c += 3)
-    for (std::size_t i = 1; i < 3; ++i)
-      joined.unite(surface.triangles[c + i], surface.triangles[c]);
-  const std::vector<std::uint32_t> shell = std::move(joined).roots();
+  const std::vector<std::uint32_t> shell = connect_vertices(surface);
   std::vector<Vec3> low(shell.size()), high(shell.size());
   for (std::size_t v = 0; v < shell.size(); ++v) {
     const Vec3 at = vertex_at(surface, v);

@@ -18,6 +18,14 @@ SmallShells::Corners corners_of(const PatchMesh& mesh, std::uint32_t h) {
   return {mesh.origin(h), mesh.target(h), mesh.apex(h)};
 }
 
+/// Of the tetrahedron from `origin` over a triangle.
+double six_volumes(const PatchMesh& mesh, const Vec3& origin,
+                   const SmallShells::Corners& triangle) {
+  const Vec3 a = mesh.points[triangle[0]].position - origin;
+  return double{dot(a, cross(mesh.points[triangle[1]].position - origin,
+                             mesh.points[triangle[2]].position - origin))};
+}
+
 /// The lowest vertex of the shell of each vertex.
 std::vector<std::uint32_t> roots_of(const PatchMesh& mesh) {
   DisjointSets joined(mesh.vertex_count());
@@ -91,19 +99,10 @@ void SmallShells::take_up(const PatchMesh& mesh, std::uint32_t h) {
   if (shell != kNone) shells_[shell].faces.push_back(first);
 }
 
-/// Of the tetrahedron over a triangle.
-double SmallShells::six_volumes(const PatchMesh& mesh, const Shell& shell,
-                                const Corners& triangle) const {
-  const Vec3& o = shell.origin;
-  return double{
-      dot(mesh.points[triangle[0]].position - o,
-          cross(mesh.points[triangle[1]].position - o, mesh.points[triangle[2]].position - o))};
-}
-
 double SmallShells::volume(const PatchMesh& mesh, const Shell& shell) const {
   double sum = 0;
   for (const std::uint32_t h : shell.faces)
-    if (mesh.is_edge(h)) sum += six_volumes(mesh, shell, corners_of(mesh, h));
+    if (mesh.is_edge(h)) sum += six_volumes(mesh, shell.origin, corners_of(mesh, h));
   return sum / 6;
 }
 
@@ -113,8 +112,8 @@ bool SmallShells::keep_volume(const PatchMesh& mesh, std::span<const std::uint32
   if (number == kNone) return true;
   const Shell& shell = shells_[number];
   double change = 0;
-  for (const std::uint32_t h : gone) change -= six_volumes(mesh, shell, corners_of(mesh, h));
-  for (const Corners& triangle : made) change += six_volumes(mesh, shell, triangle);
+  for (const std::uint32_t h : gone) change -= six_volumes(mesh, shell.origin, corners_of(mesh, h));
+  for (const Corners& triangle : made) change += six_volumes(mesh, shell.origin, triangle);
   return (volume(mesh, shell) + change / 6) / shell.volume >= kLeastShare;
 }
 

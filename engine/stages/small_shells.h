@@ -42,7 +42,6 @@ class SmallShells {
     double volume = 0;                 ///< at first
   };
 
-  double six_volumes(const PatchMesh& mesh, const Shell& shell, const Corners& triangle) const;
   double volume(const PatchMesh& mesh, const Shell& shell) const;
   bool is_small(const PatchMesh& mesh, Shell& shell) const;
 
