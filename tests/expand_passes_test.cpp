@@ -16,15 +16,10 @@
 #include "stages/sizing.h"
 #include "support/analytic_lattice.h"
 #include "support/backend_test.h"
-#include "tbb/backend.h"
+#include "support/host_backend.h"
 
 namespace vasamesh::test {
 namespace {
-
-Backend& host() {
-  static const std::shared_ptr<Backend> tbb = make_tbb_backend(2, nullptr);
-  return *tbb;
-}
 
 /// A tree with its sizes, and the part of it that is meshed already, not well.
 class Scene {

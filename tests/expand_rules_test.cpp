@@ -14,7 +14,7 @@
 #include "stages/expand_rounds.h"
 #include "support/analytic_lattice.h"
 #include "support/backend_test.h"
-#include "tbb/backend.h"
+#include "support/host_backend.h"
 #include "types/angles.h"
 
 namespace vasamesh::test {
@@ -22,11 +22,6 @@ namespace {
 
 constexpr float kHeight = 8;
 constexpr float kRow = 0.8660254f;  // height of a triangle of edge 1
-
-Backend& host() {
-  static const std::shared_ptr<Backend> tbb = make_tbb_backend(2, nullptr);
-  return *tbb;
-}
 
 /// A plane that faces up, edges of length 1, and loops of the boundary in it: the gap lies to the
 /// right of each loop, or outside it where the loop is counter-clockwise.

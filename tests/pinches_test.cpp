@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <map>
 
+#include "support/host_backend.h"
 #include "support/invariants.h"
 #include "support/shapes.h"
 
@@ -54,6 +55,11 @@ std::vector<float> corners_of(const TriangleMesh& mesh) {
   return places;
 }
 
+TriangleMesh split_apart(TriangleMesh mesh, Backend& backend = host()) {
+  split_pinches(backend, mesh);
+  return mesh;
+}
+
 TEST(Pinches, TrianglesThatShareADirectedEdgeGo) {
   TriangleMesh mesh = fans_at_a_vertex(1, 4);
   const TriangleMesh before = mesh;
@@ -78,8 +84,7 @@ TEST(Pinches, EdgesOfOneTriangleADirectionStay) {
 TEST(Pinches, ManifoldsStayAsTheyAre) {
   for (const TriangleMesh& mesh :
        {TriangleMesh{}, tetrahedron(), torus(5, 2, 13, 7), fans_at_a_vertex(1, 4)}) {
-    TriangleMesh split = mesh;
-    split_pinches(split);
+    const TriangleMesh split = split_apart(mesh);
     EXPECT_EQ(split.vertices, mesh.vertices);
     EXPECT_EQ(split.triangles, mesh.triangles);
   }
@@ -88,8 +93,7 @@ TEST(Pinches, ManifoldsStayAsTheyAre) {
 TEST(Pinches, EachFurtherFanGetsAVertexOfItsOwn) {
   for (const std::uint32_t fans : {2u, 3u}) {
     const TriangleMesh mesh = fans_at_a_vertex(fans, 2);
-    TriangleMesh split = mesh;
-    split_pinches(split);
+    const TriangleMesh split = split_apart(mesh);
     ASSERT_EQ(split.vertex_count(), mesh.vertex_count() + fans - 1);
     EXPECT_EQ(corners_of(split), corners_of(mesh));
     for (std::uint32_t f = 0; f < fans; ++f)
@@ -104,8 +108,7 @@ TEST(Pinches, TheOrderOfTrianglesDoesNotMixFans) {
   TriangleMesh mesh = fans_at_a_vertex(2, 2);
   std::swap_ranges(mesh.triangles.begin() + 3, mesh.triangles.begin() + 6,
                    mesh.triangles.begin() + 9);
-  TriangleMesh split = mesh;
-  split_pinches(split);
+  const TriangleMesh split = split_apart(mesh);
   const auto added = static_cast<std::uint32_t>(mesh.vertex_count());
   ASSERT_EQ(split.vertex_count(), mesh.vertex_count() + 1);
   for (std::size_t t = 0; t < 4; ++t)
@@ -117,14 +120,35 @@ TEST(Pinches, ClosedSurfacesThatTouchAtAVertexComeApart) {
       with_vertices_joined(joined(box({0, 0, 0}, {1, 1, 1}), box({1, 1, 1}, {2, 3, 2})));
   ASSERT_EQ(mesh.vertex_count(), 15u);
   ASSERT_EQ(check(mesh).nonmanifold_vertices, 1);
-  TriangleMesh split = mesh;
-  split_pinches(split);
+  const TriangleMesh split = split_apart(mesh);
   EXPECT_EQ(corners_of(split), corners_of(mesh));
   const CheckReport report = check(split);
   EXPECT_EQ(split.vertex_count(), 16u);
   EXPECT_EQ(report.nonmanifold_vertices, 0);
   EXPECT_EQ(report.open_edges + report.nonmanifold_edges + report.misoriented_edges, 0);
   EXPECT_EQ(report.topology.pieces, 2);
+}
+
+/// A chain of cubes, each of which touches the next at a vertex.
+TEST(Pinches, AreTakenApartAlikeByAnyThreads) {
+  constexpr int kCubes = 1500;
+  TriangleMesh chain;
+  for (int i = 0; i < kCubes; ++i) {
+    const auto low = static_cast<float>(i), high = static_cast<float>(i + 1);
+    chain = joined(std::move(chain), box({low, low, low}, {high, high, high}));
+  }
+  const TriangleMesh mesh = with_vertices_joined(chain);
+  ASSERT_EQ(mesh.vertex_count(), 7u * kCubes + 1);
+  const auto one = make_tbb_backend(1, nullptr);
+  const TriangleMesh split = split_apart(mesh, *one);
+  EXPECT_EQ(split.vertex_count(), 8u * kCubes);
+  EXPECT_EQ(check(split).nonmanifold_vertices, 0);
+  for (const int threads : {2, 4}) {
+    const auto more = make_tbb_backend(threads, nullptr);
+    const TriangleMesh other = split_apart(mesh, *more);
+    EXPECT_EQ(other.triangles, split.triangles);
+    EXPECT_EQ(other.vertices, split.vertices);
+  }
 }
 
 }  // namespace

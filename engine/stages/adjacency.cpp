@@ -1,5 +1,6 @@
 #include "stages/adjacency.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "stages/disjoint_sets.h"
@@ -22,14 +23,18 @@ VertexCorners vertex_corners(const TriangleMesh& mesh) {
   return result;
 }
 
-std::vector<std::uint32_t> connect_vertices(const TriangleMesh& mesh,
+std::vector<std::uint32_t> connect_vertices(Backend& backend, const TriangleMesh& mesh,
                                             std::span<const std::uint8_t> chosen) {
+  constexpr std::size_t kTask = 16384;  // triangles
   DisjointSets sets(mesh.vertex_count());
-  for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
-    if (!chosen.empty() && !chosen[t]) continue;
-    sets.unite(mesh.triangles[3 * t], mesh.triangles[3 * t + 1]);
-    sets.unite(mesh.triangles[3 * t], mesh.triangles[3 * t + 2]);
-  }
+  const std::size_t count = mesh.triangle_count();
+  backend.run((count + kTask - 1) / kTask, [&](std::size_t task) {
+    for (std::size_t t = task * kTask; t < std::min((task + 1) * kTask, count); ++t) {
+      if (!chosen.empty() && !chosen[t]) continue;
+      sets.unite(mesh.triangles[3 * t], mesh.triangles[3 * t + 1]);
+      sets.unite(mesh.triangles[3 * t], mesh.triangles[3 * t + 2]);
+    }
+  });
   return std::move(sets).roots();
 }
 

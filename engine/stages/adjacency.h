@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "backend/backend.h"
 #include "vasamesh/types.h"
 
 namespace vasamesh {
@@ -23,7 +24,7 @@ VertexCorners vertex_corners(const TriangleMesh& mesh);
 
 /// The lowest vertex that each vertex hangs together with by the chosen triangles (a byte a
 /// triangle; all, if there are none).
-std::vector<std::uint32_t> connect_vertices(const TriangleMesh& mesh,
+std::vector<std::uint32_t> connect_vertices(Backend& backend, const TriangleMesh& mesh,
                                             std::span<const std::uint8_t> chosen = {});
 
 }  // namespace vasamesh

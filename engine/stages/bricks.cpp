@@ -1,13 +1,15 @@
 #include "stages/bricks.h"
 
 #include <algorithm>
-#include <tuple>
 
 namespace vasamesh {
 
 namespace {
 
-std::tuple<int, int, int> raster_key(const BrickCoord& c) { return {c.z, c.y, c.x}; }
+/// Of the row that a brick lies in: less where the row comes before.
+std::int64_t row_key(const BrickCoord& c) {
+  return std::int64_t{c.z} * (std::int64_t{1} << 32) + std::int64_t{c.y};
+}
 
 /// The index of the first coordinate of each row (y, z) that bricks lie in, with an end marker.
 struct RowTable {
@@ -47,7 +49,8 @@ struct RowTable {
 }  // namespace
 
 bool raster_before(const BrickCoord& a, const BrickCoord& b) {
-  return raster_key(a) < raster_key(b);
+  const std::int64_t a_row = row_key(a), b_row = row_key(b);
+  return a_row != b_row ? a_row < b_row : a.x < b.x;
 }
 
 void sort_unique(std::vector<BrickCoord>& coords) {

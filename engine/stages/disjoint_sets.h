@@ -1,12 +1,15 @@
 #pragma once
 
 /// \file
-/// Sets of the numbers 0 .. count - 1 that are united pair by pair. The root of a set is its lowest
-/// member, so that nothing depends on the order of the unions.
+/// Sets of the numbers 0 .. count - 1 that are united pair by pair, also by many threads at the
+/// same time. The root of a set is its lowest member, so that nothing depends on the order of the
+/// unions.
 ///
-/// Galler, Fischer: An improved equivalence algorithm, 1964.
+/// Galler, Fischer: An improved equivalence algorithm, 1964; Anderson, Woll: Wait-free parallel
+/// algorithms for the union-find problem, 1991.
 
 #include <algorithm>
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <utility>
@@ -21,24 +24,36 @@ class DisjointSets {
     for (std::size_t i = 0; i < count; ++i) parent_[i] = static_cast<std::uint32_t>(i);
   }
 
+  /// May be out of date as soon as it is there where other threads unite sets.
   std::uint32_t root(std::uint32_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
+    for (;;) {
+      const std::uint32_t parent = at(i).load(std::memory_order_relaxed);
+      if (parent == i) return i;
+      const std::uint32_t above = at(parent).load(std::memory_order_relaxed);
+      at(i).store(above, std::memory_order_relaxed);  // not a root, and never one again
+      i = above;
+    }
   }
 
   void unite(std::uint32_t a, std::uint32_t b) {
-    a = root(a);
-    b = root(b);
-    parent_[std::max(a, b)] = std::min(a, b);
+    for (;;) {
+      a = root(a);
+      b = root(b);
+      if (a == b) return;
+      std::uint32_t upper = std::max(a, b);
+      if (at(upper).compare_exchange_weak(upper, std::min(a, b), std::memory_order_relaxed)) return;
+    }
   }
 
-  /// The root of each number.
+  /// The root of each number, when all are united.
   std::vector<std::uint32_t> roots() && {
     for (std::uint32_t& parent : parent_) parent = parent_[parent];
     return std::move(parent_);
   }
 
  private:
+  std::atomic_ref<std::uint32_t> at(std::uint32_t i) { return std::atomic_ref(parent_[i]); }
+
   std::vector<std::uint32_t> parent_;
 };
 

@@ -142,9 +142,9 @@ bool widen_pinches(const TriangleMesh& surface, const std::vector<std::uint8_t>&
 
 /// Takes off the regions that hold no hard cell: places of another sheet, or islands of a few
 /// triangles that the cells of the growth's rim leave.
-void drop_islands(const TriangleMesh& surface, const std::vector<std::uint8_t>& flagged,
-                  std::vector<std::uint8_t>& hard) {
-  const std::vector<std::uint32_t> root = connect_vertices(surface, hard);
+void drop_islands(Backend& backend, const TriangleMesh& surface,
+                  const std::vector<std::uint8_t>& flagged, std::vector<std::uint8_t>& hard) {
+  const std::vector<std::uint32_t> root = connect_vertices(backend, surface, hard);
   std::vector<std::uint8_t> kept(root.size(), 0);
   for (std::uint32_t v = 0; v < root.size(); ++v)
     if (flagged[v] == kWithin) kept[root[v]] = 1;
@@ -173,7 +173,7 @@ std::vector<std::uint8_t> find_hard_regions(Backend& backend, const IndicatorFie
   std::vector<std::uint8_t> at_vertex =
       near_vertices(backend, {view, distance.view(), kFar}, sizes.view(field), surface);
   std::vector<std::uint8_t> hard = choose_triangles(backend, surface, at_vertex);
-  drop_islands(surface, at_vertex, hard);
+  drop_islands(backend, surface, at_vertex, hard);
   return hard;
 }
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <iterator>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -16,30 +18,31 @@ std::uint32_t next_corner(std::uint32_t corner) {
   return corner % 3 == 2 ? corner - 2 : corner + 1;
 }
 
-/// The fans of a mesh, as sets of corners: of triangles at a vertex that share an edge there.
-DisjointSets find_fans(const TriangleMesh& mesh) {
-  struct Edge {
-    std::uint64_t ends;    // lower vertex first
-    std::uint32_t corner;  // where a triangle begins it
-    bool operator<(const Edge& other) const {
-      return ends != other.ends ? ends < other.ends : corner < other.corner;
-    }
-  };
-  std::vector<Edge> edges(mesh.triangles.size());
-  for (std::uint32_t c = 0; c < edges.size(); ++c) {
-    const std::uint64_t a = mesh.triangles[c], b = mesh.triangles[next_corner(c)];
-    edges[c] = {std::min(a, b) << 32 | std::max(a, b), c};
+std::uint32_t previous_corner(std::uint32_t corner) {
+  return corner % 3 == 0 ? corner + 2 : corner - 1;
+}
+
+/// The corners of a fan, ascending.
+using Fan = std::vector<std::uint32_t>;
+
+/// Appends the fans at a vertex, of triangles that share edges there, but for the first.
+void find_further_fans(const TriangleMesh& mesh, std::span<const std::uint32_t> corners,
+                       std::vector<Fan>& fans) {
+  DisjointSets sets(corners.size());
+  for (std::uint32_t i = 0; i < corners.size(); ++i)
+    for (std::uint32_t j = 0; j < corners.size(); ++j)
+      if (mesh.triangles[next_corner(corners[i])] == mesh.triangles[previous_corner(corners[j])])
+        sets.unite(i, j);
+  const std::vector<std::uint32_t> root = std::move(sets).roots();
+  const std::size_t known = fans.size();
+  for (std::uint32_t i = 0; i < root.size(); ++i) {
+    if (root[i] == 0) continue;
+    if (root[i] == i) fans.emplace_back();
+    const auto own = std::find_if(
+        fans.begin() + static_cast<std::ptrdiff_t>(known), fans.end(),
+        [&](const Fan& fan) { return fan.empty() || fan.front() == corners[root[i]]; });
+    own->push_back(corners[i]);
   }
-  std::sort(edges.begin(), edges.end());
-  DisjointSets fans(mesh.triangles.size());
-  for (std::size_t i = 1; i < edges.size(); ++i) {
-    if (edges[i].ends != edges[i - 1].ends) continue;
-    const std::uint32_t a = edges[i - 1].corner, b = edges[i].corner;
-    if (mesh.triangles[a] == mesh.triangles[b]) continue;  // of one direction: no pair
-    fans.unite(a, next_corner(b));
-    fans.unite(next_corner(a), b);
-  }
-  return fans;
 }
 
 }  // namespace
@@ -67,25 +70,27 @@ bool drop_repeated_edges(TriangleMesh& mesh) {
   return true;
 }
 
-void split_pinches(TriangleMesh& mesh) {
-  constexpr std::uint32_t kNone = 0xffffffffu;
-  DisjointSets fans = find_fans(mesh);
-  std::vector<std::uint32_t> first_fan(mesh.vertex_count(), kNone);
-  std::vector<std::uint32_t> vertex_of(mesh.triangles.size());
-  for (std::uint32_t c = 0; c < vertex_of.size(); ++c) {
-    const std::uint32_t v = mesh.triangles[c], fan = fans.root(c);
-    if (fan != c) {
-      vertex_of[c] = vertex_of[fan];
-    } else if (first_fan[v] == kNone) {
-      first_fan[v] = fan;
-      vertex_of[c] = v;
-    } else {
-      vertex_of[c] = static_cast<std::uint32_t>(mesh.vertex_count());
-      for (std::size_t a = 0; a < 3; ++a)
-        mesh.vertices.push_back(mesh.vertices[3 * std::size_t{v} + a]);
-    }
+void split_pinches(Backend& backend, TriangleMesh& mesh) {
+  constexpr std::size_t kTask = 4096;  // vertices
+  const VertexCorners at = vertex_corners(mesh);
+  std::vector<std::vector<Fan>> found((mesh.vertex_count() + kTask - 1) / kTask);
+  backend.run(found.size(), [&](std::size_t task) {
+    const std::size_t end = std::min((task + 1) * kTask, mesh.vertex_count());
+    for (std::size_t v = task * kTask; v < end; ++v)
+      find_further_fans(mesh,
+                        std::span(at.corner).subspan(at.first[v], at.first[v + 1] - at.first[v]),
+                        found[task]);
+  });
+  std::vector<Fan> fans;
+  for (std::vector<Fan>& some : found)
+    std::move(some.begin(), some.end(), std::back_inserter(fans));
+  std::sort(fans.begin(), fans.end());
+  for (const Fan& fan : fans) {
+    const auto copy = static_cast<std::uint32_t>(mesh.vertex_count());
+    const std::size_t old = mesh.triangles[fan.front()];
+    for (std::size_t a = 0; a < 3; ++a) mesh.vertices.push_back(mesh.vertices[3 * old + a]);
+    for (const std::uint32_t corner : fan) mesh.triangles[corner] = copy;
   }
-  mesh.triangles = std::move(vertex_of);
 }
 
 }  // namespace vasamesh

@@ -3,6 +3,7 @@
 /// \file
 /// Vertices and edges at which a surface touches itself.
 
+#include "backend/backend.h"
 #include "vasamesh/types.h"
 
 namespace vasamesh {
@@ -15,6 +16,6 @@ bool drop_repeated_edges(TriangleMesh& mesh);
 /// Gives each further fan of triangles at a vertex a vertex of its own, at the same place, so that
 /// every vertex has one fan. New vertices go to the end, in the order of their lowest corners.
 /// \pre no edge has more than two triangles.
-void split_pinches(TriangleMesh& mesh);
+void split_pinches(Backend& backend, TriangleMesh& mesh);
 
 }  // namespace vasamesh

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <numeric>
 #include <span>
 #include <string>
 #include <utility>
@@ -66,14 +67,18 @@ std::vector<CarefulPlace> where_base_stays(std::span<const CarefulPlace> places)
   return kept;
 }
 
-double area_of(const TriangleMesh& mesh) {
-  double area = 0;
-  for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
-    const Vec3 a = vertex_at(mesh, mesh.triangles[3 * t]);
-    area += 0.5 * double{norm(cross(vertex_at(mesh, mesh.triangles[3 * t + 1]) - a,
-                                    vertex_at(mesh, mesh.triangles[3 * t + 2]) - a))};
-  }
-  return area;
+double area_of(Backend& backend, const TriangleMesh& mesh) {
+  constexpr std::size_t kTask = 8192;  // triangles
+  const std::size_t count = mesh.triangle_count();
+  std::vector<double> areas((count + kTask - 1) / kTask, 0.0);
+  backend.run(areas.size(), [&](std::size_t task) {
+    for (std::size_t t = task * kTask; t < std::min((task + 1) * kTask, count); ++t) {
+      const Vec3 a = vertex_at(mesh, mesh.triangles[3 * t]);
+      areas[task] += 0.5 * double{norm(cross(vertex_at(mesh, mesh.triangles[3 * t + 1]) - a,
+                                             vertex_at(mesh, mesh.triangles[3 * t + 2]) - a))};
+    }
+  });
+  return std::accumulate(areas.begin(), areas.end(), 0.0);
 }
 
 }  // namespace
@@ -91,7 +96,7 @@ Polygonizer::Polygonizer(Scheduler& scheduler, const Lattice& lattice,
       base_(std::move(base)),
       limit_(distance_limit(scale)) {
   for (std::size_t i = 0; i < base_.vertices.size(); ++i) base_.vertices[i] *= scale_[i % 3];
-  base_area_ = area_of(base_);
+  base_area_ = area_of(backend_, base_);
   scheduler_.begin("sizes", Stage::sizing);
   sizing().on_host(View<const std::uint8_t>(lattice.state.view()));
   backend_.run(2, [&](std::size_t half) {  // each half has work of one thread alone
@@ -154,7 +159,7 @@ double Polygonizer::base_share() const {
     const std::uint32_t* v = &base_.triangles[3 * t];
     stays[t] = within[v[0]] && within[v[1]] && within[v[2]];
   }
-  return area_of(part_of(base_, stays)) / base_area_;
+  return area_of(backend_, part_of(base_, stays)) / base_area_;
 }
 
 TriangleMesh Polygonizer::made() {
@@ -261,7 +266,7 @@ bool Polygonizer::count_is_right(std::int64_t triangles) {
 TriangleMesh Polygonizer::expanded() {
   const std::vector<std::uint8_t> hard = find_hard_regions(backend_, field_, sizes_, rule_, base_);
   const TriangleMesh part = part_of(base_, hard);
-  report_.hard_share = area_of(part) / base_area_;
+  report_.hard_share = area_of(backend_, part) / base_area_;
   if (report_.hard_share > kMostHard) {
     plan_ = Plan::remesh;
     return remeshed();
@@ -322,7 +327,7 @@ TriangleMesh Polygonizer::front_over(const TriangleMesh& patches) {
   report_.gap_triangles +=
       static_cast<std::int64_t>(front.mesh.triangle_count() - stitched.first_triangle);
   drop_repeated_edges(front.mesh);
-  split_pinches(front.mesh);
+  split_pinches(backend_, front.mesh);
   return std::move(front.mesh);
 }
 

@@ -52,9 +52,9 @@ void for_each_shell(Backend& backend, const Shells& shells, const Visit& visit) 
 
 }  // namespace
 
-Shells find_shells(const TriangleMesh& mesh, const std::vector<std::uint8_t>& valid,
-                   const ManifoldCounts& manifold) {
-  const std::vector<std::uint32_t> root = connect_vertices(mesh, valid);
+Shells find_shells(Backend& backend, const TriangleMesh& mesh,
+                   const std::vector<std::uint8_t>& valid, const ManifoldCounts& manifold) {
+  const std::vector<std::uint32_t> root = connect_vertices(backend, mesh, valid);
   Shells result;
   result.shell_of.assign(mesh.vertex_count(), Shells::kNone);
   for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {

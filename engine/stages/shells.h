@@ -37,8 +37,8 @@ struct Shells {
 };
 
 /// Shells of the triangles with `valid` set, with everything but `nested` and `piece`.
-Shells find_shells(const TriangleMesh& mesh, const std::vector<std::uint8_t>& valid,
-                   const ManifoldCounts& manifold);
+Shells find_shells(Backend& backend, const TriangleMesh& mesh,
+                   const std::vector<std::uint8_t>& valid, const ManifoldCounts& manifold);
 
 /// Sets `nested` (a ray along +x from the shell's farthest vertex crosses other shells an odd
 /// number of times; exact) and `next`.

@@ -13,17 +13,24 @@ namespace vasamesh {
 namespace {
 
 constexpr std::size_t kCells = 64;  // size cells a brick
-constexpr std::size_t kTriangleGrain = 8192;
+constexpr std::size_t kTriangleGrain = 8192, kVertexGrain = 8192;
 constexpr float kSmallShell = 1;  // voxel lengths: half the longest side of the box round a shell
 constexpr float kRings[] = {1, 1, 2, 3};  // steps to the distances at which normals are compared
 constexpr std::uint32_t kNoVertex = 0xffffffffu;
 
 /// The first base vertex of each cell, not yet on the zero set.
-SurfaceSamples first_vertices(const FieldView& field, const TriangleMesh& surface) {
+SurfaceSamples first_vertices(Backend& backend, const FieldView& field,
+                              const TriangleMesh& surface) {
   const std::size_t cells = field.coefficients.size / kBrickCells * kCells;
+  const std::size_t count = surface.vertex_count();
+  std::vector<std::uint32_t> cell_of(count);
+  backend.run((count + kVertexGrain - 1) / kVertexGrain, [&](std::size_t task) {
+    const std::size_t end = std::min((task + 1) * kVertexGrain, count);
+    for (std::size_t v = task * kVertexGrain; v < end; ++v)
+      cell_of[v] = static_cast<std::uint32_t>(size_cell(field, vertex_at(surface, v)));
+  });
   std::vector<std::uint32_t> first(cells + 1, kNoVertex);
-  for (std::size_t v = surface.vertex_count(); v-- > 0;)
-    first[size_cell(field, vertex_at(surface, v))] = static_cast<std::uint32_t>(v);
+  for (std::size_t v = count; v-- > 0;) first[cell_of[v]] = static_cast<std::uint32_t>(v);
   SurfaceSamples samples;
   for (std::size_t cell = 0; cell < cells; ++cell) {
     if (first[cell] == kNoVertex) continue;
@@ -208,8 +215,8 @@ void smooth_radii(Backend& backend, const IndicatorField& field, SurfaceSamples&
 }
 
 /// Half of the longest side of the box round the shell (joined by vertices) of each vertex.
-std::vector<float> shell_radii(const TriangleMesh& surface) {
-  const std::vector<std::uint32_t> shell = connect_vertices(surface);
+std::vector<float> shell_radii(Backend& backend, const TriangleMesh& surface) {
+  const std::vector<std::uint32_t> shell = connect_vertices(backend, surface);
   std::vector<Vec3> low(shell.size()), high(shell.size());
   for (std::size_t v = 0; v < shell.size(); ++v) {
     const Vec3 at = vertex_at(surface, v);
@@ -228,9 +235,10 @@ std::vector<float> shell_radii(const TriangleMesh& surface) {
 
 /// Shells within a ball of kSmallShell have its radius of curvature at most: the function hardly
 /// shows them, and at a voxel's distance other sheets.
-void bound_by_shells(const FieldView& field, const TriangleMesh& surface, SurfaceSamples& samples) {
+void bound_by_shells(Backend& backend, const FieldView& field, const TriangleMesh& surface,
+                     SurfaceSamples& samples) {
   std::vector<float> bound(field.coefficients.size / kBrickCells * kCells, kSmallShell);
-  const std::vector<float> radii = shell_radii(surface);
+  const std::vector<float> radii = shell_radii(backend, surface);
   for (std::size_t v = 0; v < radii.size(); ++v) {
     if (radii[v] >= kSmallShell) continue;
     float& here = bound[size_cell(field, vertex_at(surface, v))];
@@ -350,10 +358,10 @@ SizeField make_sizes(Backend& backend, const IndicatorField& field, const Triang
                      const SizeRule& rule) {
   const FieldView view = field.view();
   SizeField result;
-  result.samples = first_vertices(view, surface);
+  result.samples = first_vertices(backend, view, surface);
   measure(backend, view, result.samples);
   smooth_radii(backend, field, result.samples);
-  bound_by_shells(view, surface, result.samples);
+  bound_by_shells(backend, view, surface, result.samples);
   result.sizes = Buffer<float>(backend, view.coefficients.size / kBrickCells * kCells);
   apply_rule(backend, field, surface, rule, {}, result);
   return result;

@@ -134,7 +134,7 @@ CheckReport check_surface(Backend& backend, const TriangleMesh& mesh, const Soli
     if (half == 0) {
       const ManifoldCounts manifold = count_manifold(backend, mesh, vertex_corners(mesh));
       take(manifold, report);
-      shells = find_shells(mesh, at_least(states, kUnusable), manifold);
+      shells = find_shells(backend, mesh, at_least(states, kUnusable), manifold);
     } else {
       tree = build_triangle_tree(backend, mesh, at_least(states, kWhole));
     }

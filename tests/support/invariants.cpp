@@ -3,21 +3,12 @@
 #include <gtest/gtest.h>
 
 #include "stages/points.h"
-#include "tbb/backend.h"
+#include "support/host_backend.h"
 
 namespace vasamesh::test {
 
-namespace {
-
-Backend& backend() {
-  static const std::shared_ptr<Backend> tbb = make_tbb_backend(2, nullptr);
-  return *tbb;
-}
-
-}  // namespace
-
 CheckReport check(const TriangleMesh& mesh, const SolidMatch* wanted) {
-  return check_surface(backend(), mesh, wanted);
+  return check_surface(host(), mesh, wanted);
 }
 
 void expect_good_surface(const TriangleMesh& mesh) {
@@ -40,8 +31,8 @@ void expect_good_surface(const TriangleMesh& mesh, const Topology& wanted) {
 
 void expect_good_surface(const TriangleMesh& mesh, const VolumeView& volume,
                          Connectivity connectivity, Space space) {
-  const BitVolume object = pack_volume(backend(), volume);
-  const Solid solid = examine_solid(backend(), object.view(), volume.geometry.size, connectivity);
+  const BitVolume object = pack_volume(host(), volume);
+  const Solid solid = examine_solid(host(), object.view(), volume.geometry.size, connectivity);
   expect_good_surface(mesh, SolidMatch{&solid, volume.geometry, space});
 }
 
