@@ -20,7 +20,8 @@ DeviceMemory::DeviceMemory(cl::Context context, cl::CommandQueue queue, std::str
     : context_(std::move(context)),
       queue_(std::move(queue)),
       device_(std::move(device)),
-      shared_(shared) {}
+      shared_(shared),
+      pinned_(context_, queue_, device_) {}
 
 /// What the device may still use when it does not answer any more is never freed.
 DeviceMemory::~DeviceMemory() {
@@ -134,15 +135,13 @@ void DeviceMemory::read(const void* handle, std::size_t offset, void* to, std::s
 
 void DeviceMemory::copy_in(cl_mem memory, std::size_t offset, const void* from, std::size_t bytes) {
   wait();
-  check(clEnqueueWriteBuffer(queue_(), memory, CL_TRUE, offset, bytes, from, 0, nullptr, nullptr),
-        "copying " + std::to_string(bytes) + " bytes to " + device_);
+  pinned_.to_device(from, bytes, memory, offset, checkpoint_);
   count_copy(bytes);
 }
 
 void DeviceMemory::copy_out(cl_mem memory, std::size_t offset, void* to, std::size_t bytes) {
   wait();
-  check(clEnqueueReadBuffer(queue_(), memory, CL_TRUE, offset, bytes, to, 0, nullptr, nullptr),
-        "copying " + std::to_string(bytes) + " bytes from " + device_);
+  pinned_.to_host(memory, offset, to, bytes, checkpoint_);
   count_copy(bytes);
 }
 
@@ -160,9 +159,9 @@ cl_mem DeviceMemory::create(std::size_t bytes, cl_mem_flags flags, void* host) {
 
 cl_mem DeviceMemory::lend(void* address, std::size_t bytes, bool writes) {
   const cl_mem memory =
-      create(bytes, shared_ ? CL_MEM_USE_HOST_PTR : CL_MEM_COPY_HOST_PTR, address);
-  if (!shared_) count_copy(bytes);
+      create(bytes, shared_ ? CL_MEM_USE_HOST_PTR : 0, shared_ ? address : nullptr);
   loans_.push_back({memory, address, bytes, writes});
+  if (!shared_) copy_in(memory, 0, address, bytes);
   return memory;
 }
 

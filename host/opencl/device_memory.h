@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "opencl/check.h"
+#include "opencl/pinned_copies.h"
 
 namespace vasamesh {
 
@@ -83,6 +84,7 @@ class DeviceMemory {
   cl::CommandQueue queue_;
   std::string device_;
   bool shared_;
+  PinnedCopies pinned_;
   std::unordered_map<const void*, Allocation> allocations_;  // by the host's address
   std::vector<Loan> loans_;
   std::function<void()> checkpoint_;
