@@ -360,6 +360,8 @@ kernel __attribute__((ELEMENT_GROUP)) void expand_add(ulong count, FIELD_VIEW, F
   const Field field = TAKE_FIELD;
   const ExpandFront front = TAKE_FRONT;
   global const ExpandProposal *p = front.proposals + i;
+  // Round a corner that may not hold its cells, others are at work.
+  if (p->kind == EXPAND_NOTHING || p->kind == EXPAND_MORE_ROOM) return;
   const ExpandStart start = front.starts[i];
   const uint corner = front.chosen[i];
   const uint next = front.corners[corner].next, previous = front.corners[corner].previous;

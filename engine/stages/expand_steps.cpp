@@ -193,6 +193,8 @@ FrontStart needs_of(const FrontView& front, std::uint32_t corner, const Proposal
 
 void add_proposal(const FieldView& field, const FrontView& front, std::size_t i) {
   const Proposal& p = front.proposals[i];
+  // Round a corner that may not hold its cells, others are at work.
+  if (p.kind == Proposal::nothing || p.kind == Proposal::more_room) return;
   const FrontStart& start = front.starts[i];
   const std::uint32_t corner = front.chosen[i];
   const std::uint32_t next = front.corners[corner].next;
