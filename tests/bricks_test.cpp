@@ -106,7 +106,7 @@ bool within_four_cells(const BrickCoord& brick, const BrickCoord& of, std::uint8
   return false;
 }
 
-TEST(BrickSets, DilatedByOctants) {
+TEST_P(BrickTables, DilatedByOctants) {
   const std::vector<BrickCoord> coords = random_bricks(40, 21);
   std::mt19937 random(2);
   std::vector<std::uint8_t> octants;
@@ -122,7 +122,8 @@ TEST(BrickSets, DilatedByOctants) {
             want.push_back({x, y, z});
             break;
           }
-  EXPECT_EQ(dilate_by_octants(coords, octants), want);
+  EXPECT_TRUE(dilate_by_octants(backend(), {}, {}).empty());
+  EXPECT_EQ(dilate_by_octants(backend(), coords, octants), want);
 }
 
 }  // namespace

@@ -30,7 +30,7 @@ class Scene {
     std::vector<std::uint8_t> within(scene_.surface.vertex_count());
     for (std::size_t v = 0; v < within.size(); ++v)
       within[v] = scene_.surface.vertices[3 * v] < patches_up_to;
-    patches_ = part_of(scene_.surface, choose_triangles(host(), scene_.surface, within));
+    patches_ = part_of(host(), scene_.surface, choose_triangles(host(), scene_.surface, within));
   }
 
   FieldView field() const { return scene_.field.view(); }

@@ -10,6 +10,7 @@
 #include <set>
 
 #include "stages/patch_blocks.h"
+#include "support/host_backend.h"
 #include "support/invariants.h"
 #include "support/shapes.h"
 #include "tbb/backend.h"
@@ -34,7 +35,7 @@ TriangleMesh mesh_of(const PatchMesh& patch) {
   surface.points = patch.points;
   for (std::uint32_t h = 0; h < patch.half_edge_end(); ++h)
     if (patch.is_edge(h)) surface.triangles.push_back(patch.origin(h));
-  return make_mesh(surface);
+  return make_mesh(host(), surface);
 }
 
 /// The half-edge between two vertices, or kNone.

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "stages/mesh_parts.h"
+#include "support/host_backend.h"
 #include "support/shapes.h"
 #include "types/mesh_vertex.h"
 
@@ -57,7 +58,7 @@ TEST(Parts, SeveralAtOnceAreThoseOneByOne) {
   for (std::uint8_t p = 1; p <= 3; ++p) {
     std::vector<std::uint8_t> chosen(part.size());
     for (std::size_t t = 0; t < part.size(); ++t) chosen[t] = part[t] == p;
-    const TriangleMesh one = part_of(mesh, chosen);
+    const TriangleMesh one = part_of(host(), mesh, chosen);
     EXPECT_EQ(parts[p - 1].vertices, one.vertices);
     EXPECT_EQ(parts[p - 1].triangles, one.triangles);
     EXPECT_EQ(one.triangles.empty(), p == 2);

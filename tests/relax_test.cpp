@@ -35,7 +35,7 @@ class Scene {
       x += shake * (static_cast<float>(random() % 2001) / 1000.0f - 1.0f);
     std::vector<std::uint8_t> within(mesh_.vertex_count());
     for (std::size_t v = 0; v < within.size(); ++v) within[v] = mesh_.vertices[3 * v] < 20;
-    mesh_ = part_of(mesh_, choose_triangles(host(), mesh_, within));
+    mesh_ = part_of(host(), mesh_, choose_triangles(host(), mesh_, within));
   }
 
   RemeshGoal goal(const Places* places) const {

@@ -256,7 +256,7 @@ TriangleMesh approach(Backend& backend, const FieldView& field, const SizeView& 
                      Approach work(part, goal, farthest, least);
                      for (const FarPoint& point : own) work.draw_to(point);
                    });
-    mesh = make_mesh(surface);
+    mesh = make_mesh(backend, surface);
     far = far_points(backend, points, farthest, mesh);
   }
   return mesh;
@@ -322,7 +322,7 @@ TriangleMesh bring_back(Backend& backend, const FieldView& field, const SizeView
                        work->draw_vertex(stray.from, stray.to);
                      }
                    });
-    mesh = make_mesh(surface);
+    mesh = make_mesh(backend, surface);
   }
   return mesh;
 }

@@ -46,6 +46,52 @@ struct RowTable {
   int y_min = 0, z_min = 0, y_count = 0, z_count = 0;
 };
 
+/// The indices of the coordinates of each layer (z).
+struct LayerTable {
+  explicit LayerTable(std::span<const BrickCoord> coords) : order(coords.size()) {
+    const auto by_z = [](const BrickCoord& a, const BrickCoord& b) { return a.z < b.z; };
+    const auto [low, high] = std::minmax_element(coords.begin(), coords.end(), by_z);
+    if (!coords.empty()) z_min = low->z;
+    start.assign(coords.empty() ? 2 : static_cast<std::size_t>(high->z - z_min) + 3, 0);
+    // Starts go two entries on; entry layer + 1 then runs from the layer's start to its end.
+    for (const BrickCoord& c : coords) ++start[static_cast<std::size_t>(c.z - z_min) + 2];
+    for (std::size_t i = 2; i < start.size(); ++i) start[i] += start[i - 1];
+    for (std::uint32_t i = 0; i < coords.size(); ++i)
+      order[start[static_cast<std::size_t>(coords[i].z - z_min) + 1]++] = i;
+  }
+
+  std::size_t count() const { return start.size() - 2; }
+  std::span<const std::uint32_t> at(int z) const {
+    const auto layer = static_cast<std::size_t>(z - z_min);
+    if (z < z_min || layer >= count()) return {};
+    return std::span(order).subspan(start[layer], start[layer + 1] - start[layer]);
+  }
+
+  std::vector<std::uint32_t> order;
+  std::vector<std::size_t> start;
+  int z_min = 0;
+};
+
+/// Appends the bricks of one layer, `dz` from the given one's, on the sides of its set octants, and
+/// itself.
+void add_reached(const BrickCoord& brick, std::uint8_t octants, int dz,
+                 std::vector<BrickCoord>& found) {
+  std::uint32_t reached = 0;  // bit brick_neighbour(dx, dy, dz)
+  for (int octant = 0; octant < 8; ++octant) {
+    if (!(octants >> octant & 1)) continue;
+    for (int side = 0; side < 8; ++side) {
+      const auto step = [&](int axis) {
+        return side >> axis & 1 ? (octant >> axis & 1 ? 1 : -1) : 0;
+      };
+      reached |= 1u << brick_neighbour(step(0), step(1), step(2));
+    }
+  }
+  for (int dy = -1; dy <= 1; ++dy)
+    for (int dx = -1; dx <= 1; ++dx)
+      if (reached >> brick_neighbour(dx, dy, dz) & 1)
+        found.push_back({brick.x + dx, brick.y + dy, brick.z + dz});
+}
+
 }  // namespace
 
 bool raster_before(const BrickCoord& a, const BrickCoord& b) {
@@ -93,28 +139,21 @@ Bricks make_bricks(Backend& backend, std::span<const BrickCoord> coords) {
   return bricks;
 }
 
-std::vector<BrickCoord> dilate_by_octants(std::span<const BrickCoord> coords,
+std::vector<BrickCoord> dilate_by_octants(Backend& backend, std::span<const BrickCoord> coords,
                                           std::span<const std::uint8_t> octants) {
-  std::vector<BrickCoord> dilated;
-  dilated.reserve(coords.size() * 8);
-  for (std::size_t i = 0; i < coords.size(); ++i) {
-    std::uint32_t reached = 0;  // bit brick_neighbour(dx, dy, dz)
-    for (int octant = 0; octant < 8; ++octant) {
-      if (!(octants[i] >> octant & 1)) continue;
-      for (int side = 0; side < 8; ++side) {
-        const auto step = [&](int axis) {
-          return side >> axis & 1 ? (octant >> axis & 1 ? 1 : -1) : 0;
-        };
-        reached |= 1u << brick_neighbour(step(0), step(1), step(2));
-      }
-    }
-    for (int n = 0; n < 27; ++n)
-      if (reached >> n & 1)
-        dilated.push_back(
-            {coords[i].x + n % 3 - 1, coords[i].y + n / 3 % 3 - 1, coords[i].z + n / 9 - 1});
-  }
-  sort_unique(dilated);
-  return dilated;
+  const LayerTable layers(coords);
+  std::vector<std::vector<BrickCoord>> dilated(layers.count() + 2);  // and one on either side
+  backend.run(dilated.size(), [&](std::size_t layer) {
+    std::vector<BrickCoord>& found = dilated[layer];
+    const int z = layers.z_min + static_cast<int>(layer) - 1;
+    for (const int dz : {-1, 0, 1})
+      for (const std::uint32_t i : layers.at(z - dz)) add_reached(coords[i], octants[i], dz, found);
+    sort_unique(found);
+  });
+  std::vector<BrickCoord> all;
+  for (const std::vector<BrickCoord>& layer : dilated)
+    all.insert(all.end(), layer.begin(), layer.end());
+  return all;
 }
 
 }  // namespace vasamesh

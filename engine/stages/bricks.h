@@ -33,7 +33,7 @@ void sort_unique(std::vector<BrickCoord>& coords);
 /// The bricks that lie within half a brick (four cells) of an octant that is set: each brick with
 /// samples, and the neighbours on the sides of its set octants. In raster order.
 /// octants[i] belongs to coords[i]: bit dx + 2 dy + 4 dz.
-std::vector<BrickCoord> dilate_by_octants(std::span<const BrickCoord> coords,
+std::vector<BrickCoord> dilate_by_octants(Backend& backend, std::span<const BrickCoord> coords,
                                           std::span<const std::uint8_t> octants);
 
 }  // namespace vasamesh

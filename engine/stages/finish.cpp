@@ -79,7 +79,7 @@ TriangleMesh finish(Backend& backend, const FieldView& field, const SizeView& si
   WorkingSurface surface = make_working_surface(backend, goal, mesh);
   fix_places(goal, surface);
   finish(backend, goal, surface);
-  return make_mesh(surface);
+  return make_mesh(backend, surface);
 }
 
 }  // namespace vasamesh

@@ -110,22 +110,33 @@ std::vector<std::uint8_t> triangles_at(Backend& backend, const std::vector<std::
   return hard;
 }
 
-/// Flags the vertices at which the hard triangles are more than one fan. \return whether any is.
-bool widen_pinches(const TriangleMesh& surface, const std::vector<std::uint8_t>& hard,
-                   std::vector<std::uint8_t>& flagged) {
-  // An unflagged vertex and one of its neighbours, for each hard triangle with both. A fan has one
-  // triangle more than inner edges; a whole star has as many.
-  std::vector<std::uint64_t> spokes;
-  for (std::size_t t = 0; t < hard.size(); ++t) {
-    if (!hard[t]) continue;
-    for (std::size_t i = 0; i < 3; ++i) {
-      const std::uint32_t v = surface.triangles[3 * t + i];
-      if (flagged[v]) continue;
-      for (const std::size_t other : {(i + 1) % 3, (i + 2) % 3})
-        spokes.push_back(std::uint64_t{v} << 32 | surface.triangles[3 * t + other]);
+/// An unflagged vertex (in the higher half) and one of its neighbours, for each hard triangle with
+/// both; sorted.
+std::vector<std::uint64_t> spokes_of(Backend& backend, const TriangleMesh& surface,
+                                     const std::vector<std::uint8_t>& hard,
+                                     const std::vector<std::uint8_t>& flagged) {
+  std::vector<std::vector<std::uint64_t>> parts((hard.size() + kSurfaceGrain - 1) / kSurfaceGrain);
+  backend.run(parts.size(), [&](std::size_t task) {
+    const std::size_t end = std::min((task + 1) * kSurfaceGrain, hard.size());
+    for (std::size_t c = 3 * task * kSurfaceGrain; c < 3 * end; ++c) {
+      const std::uint32_t v = surface.triangles[c];
+      if (!hard[c / 3] || flagged[v]) continue;
+      for (const std::size_t other : {c / 3 * 3 + (c + 1) % 3, c / 3 * 3 + (c + 2) % 3})
+        parts[task].push_back(std::uint64_t{v} << 32 | surface.triangles[other]);
     }
-  }
+  });
+  std::vector<std::uint64_t> spokes;
+  for (const std::vector<std::uint64_t>& part : parts)
+    spokes.insert(spokes.end(), part.begin(), part.end());
   std::sort(spokes.begin(), spokes.end());
+  return spokes;
+}
+
+/// Flags the vertices at which the hard triangles are more than one fan. \return whether any is.
+bool widen_pinches(Backend& backend, const TriangleMesh& surface,
+                   const std::vector<std::uint8_t>& hard, std::vector<std::uint8_t>& flagged) {
+  // A fan has one triangle more than inner edges; a whole star has as many.
+  const std::vector<std::uint64_t> spokes = spokes_of(backend, surface, hard, flagged);
   bool any = false;
   for (std::size_t i = 0; i < spokes.size();) {
     const std::uint64_t v = spokes[i] >> 32;
@@ -180,7 +191,8 @@ std::vector<std::uint8_t> find_hard_regions(Backend& backend, const IndicatorFie
 std::vector<std::uint8_t> choose_triangles(Backend& backend, const TriangleMesh& surface,
                                            std::vector<std::uint8_t>& flagged) {
   std::vector<std::uint8_t> chosen = triangles_at(backend, flagged, surface);
-  while (widen_pinches(surface, chosen, flagged)) chosen = triangles_at(backend, flagged, surface);
+  while (widen_pinches(backend, surface, chosen, flagged))
+    chosen = triangles_at(backend, flagged, surface);
   return chosen;
 }
 

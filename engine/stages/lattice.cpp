@@ -33,7 +33,7 @@ std::vector<BrickCoord> candidate_bricks(Backend& backend, const PointCloud& poi
         fine.push_back({2 * coords[i].x + (octant & 1), 2 * coords[i].y + (octant >> 1 & 1),
                         2 * coords[i].z + (octant >> 2)});
   const std::vector<std::uint8_t> all(fine.size(), 0xff);
-  return dilate_by_octants(fine, all);
+  return dilate_by_octants(backend, fine, all);
 }
 
 std::vector<BrickCoord> used_bricks(Backend& backend, const BitView& object,

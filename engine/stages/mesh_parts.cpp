@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <utility>
 
+#include "stages/lower_to.h"
 #include "types/mesh_vertex.h"
 
 namespace vasamesh {
@@ -12,6 +13,37 @@ namespace vasamesh {
 namespace {
 
 constexpr std::uint32_t kNone = 0xffffffffu;
+constexpr std::size_t kTask = 16384;  // corners or triangles
+
+std::size_t tasks(std::size_t count) { return (count + kTask - 1) / kTask; }
+std::size_t task_end(std::size_t task, std::size_t count) {
+  return std::min((task + 1) * kTask, count);
+}
+
+/// Turns the tasks' counts into where each begins. \return the sum.
+std::size_t starts_of(std::vector<std::size_t>& counts) {
+  std::size_t sum = 0;
+  for (std::size_t& count : counts) count = std::exchange(sum, sum + count);
+  return sum;
+}
+
+/// The corners of the chosen triangles, in order.
+std::vector<std::uint32_t> corners_of(Backend& backend, const TriangleMesh& mesh,
+                                      const std::vector<std::uint8_t>& chosen) {
+  const std::size_t count = mesh.triangle_count();
+  std::vector<std::size_t> start(tasks(count), 0);
+  backend.run(start.size(), [&](std::size_t task) {
+    for (std::size_t t = task * kTask; t < task_end(task, count); ++t)
+      start[task] += chosen[t] != 0;
+  });
+  std::vector<std::uint32_t> corners(3 * starts_of(start));
+  backend.run(start.size(), [&](std::size_t task) {
+    std::uint32_t* to = corners.data() + 3 * start[task];
+    for (std::size_t t = task * kTask; t < task_end(task, count); ++t)
+      if (chosen[t]) to = std::copy_n(&mesh.triangles[3 * t], 3, to);
+  });
+  return corners;
+}
 
 using Position = std::array<float, 3>;
 
@@ -33,11 +65,46 @@ void add_corner(const TriangleMesh& mesh, std::uint32_t v, std::vector<std::uint
 
 }  // namespace
 
-TriangleMesh part_of(const TriangleMesh& mesh, const std::vector<std::uint8_t>& chosen) {
+std::vector<std::uint32_t> rename_in_order(Backend& backend, std::size_t vertices,
+                                           std::vector<std::uint32_t>& corners) {
+  const std::size_t count = corners.size();
+  std::vector<std::uint32_t> first(vertices, kNone);  // corner
+  backend.run(tasks(count), [&](std::size_t task) {
+    for (std::size_t c = task * kTask; c < task_end(task, count); ++c)
+      lower_to(first[corners[c]], static_cast<std::uint32_t>(c));
+  });
+  std::vector<std::size_t> start(tasks(count), 0);
+  backend.run(start.size(), [&](std::size_t task) {
+    for (std::size_t c = task * kTask; c < task_end(task, count); ++c)
+      start[task] += first[corners[c]] == c;
+  });
+  std::vector<std::uint32_t> old_names(starts_of(start)), name(vertices);
+  backend.run(start.size(), [&](std::size_t task) {
+    auto next = static_cast<std::uint32_t>(start[task]);
+    for (std::size_t c = task * kTask; c < task_end(task, count); ++c) {
+      if (first[corners[c]] != c) continue;
+      old_names[next] = corners[c];
+      name[corners[c]] = next++;
+    }
+  });
+  backend.run(start.size(), [&](std::size_t task) {
+    for (std::size_t c = task * kTask; c < task_end(task, count); ++c)
+      corners[c] = name[corners[c]];
+  });
+  return old_names;
+}
+
+TriangleMesh part_of(Backend& backend, const TriangleMesh& mesh,
+                     const std::vector<std::uint8_t>& chosen) {
   TriangleMesh part;
-  std::vector<std::uint32_t> renamed(mesh.vertex_count(), kNone);
-  for (std::size_t c = 0; c < mesh.triangles.size(); ++c)
-    if (chosen[c / 3]) add_corner(mesh, mesh.triangles[c], renamed, part);
+  part.triangles = corners_of(backend, mesh, chosen);
+  const std::vector<std::uint32_t> vertices =
+      rename_in_order(backend, mesh.vertex_count(), part.triangles);
+  part.vertices.resize(3 * vertices.size());
+  backend.run(tasks(vertices.size()), [&](std::size_t task) {
+    for (std::size_t v = task * kTask; v < task_end(task, vertices.size()); ++v)
+      std::copy_n(&mesh.vertices[3 * std::size_t{vertices[v]}], 3, &part.vertices[3 * v]);
+  });
   return part;
 }
 
@@ -58,8 +125,8 @@ TriangleMesh joined(TriangleMesh first, const TriangleMesh& second) {
   return first;
 }
 
-TriangleMesh with_part(const TriangleMesh& mesh, const std::vector<std::uint8_t>& chosen,
-                       const TriangleMesh& part) {
+TriangleMesh with_part(Backend& backend, const TriangleMesh& mesh,
+                       const std::vector<std::uint8_t>& chosen, const TriangleMesh& part) {
   enum : std::uint8_t { kOutside = 1, kInside = 2 };
   std::vector<std::uint8_t> side(mesh.vertex_count(), 0);
   std::vector<std::uint8_t> others(chosen.size());
@@ -68,7 +135,7 @@ TriangleMesh with_part(const TriangleMesh& mesh, const std::vector<std::uint8_t>
     for (std::size_t i = 0; i < 3; ++i)
       side[mesh.triangles[3 * t + i]] |= chosen[t] ? kInside : kOutside;
   }
-  TriangleMesh result = part_of(mesh, others);
+  TriangleMesh result = part_of(backend, mesh, others);
   std::vector<std::uint8_t> shared;
   for (std::size_t t = 0; t < chosen.size(); ++t)
     for (std::size_t i = 0; i < 3 && others[t]; ++i)

@@ -17,14 +17,14 @@ std::uint8_t octant_bit(const BrickCoord& c) {
 }
 
 /// The bricks of the next coarser level that hold the bricks given and four cells round them.
-std::vector<BrickCoord> coarser_bricks(const std::vector<BrickCoord>& bricks) {
+std::vector<BrickCoord> coarser_bricks(Backend& backend, const std::vector<BrickCoord>& bricks) {
   std::vector<BrickCoord> parents(bricks.size());
   std::vector<std::uint8_t> octants(bricks.size());
   for (std::size_t i = 0; i < bricks.size(); ++i) {
     parents[i] = {bricks[i].x >> 1, bricks[i].y >> 1, bricks[i].z >> 1};
     octants[i] = octant_bit(bricks[i]);
   }
-  return dilate_by_octants(parents, octants);
+  return dilate_by_octants(backend, parents, octants);
 }
 
 /// The refined bricks round the samples that want them: those of vessels thinner than `thickness`.
@@ -48,7 +48,7 @@ std::vector<BrickCoord> refined_bricks(Backend& backend, const PointCloud& point
     }
     octants.back() = static_cast<std::uint8_t>(octants.back() | 1u << octant);
   }
-  return dilate_by_octants(bricks, octants);
+  return dilate_by_octants(backend, bricks, octants);
 }
 
 OctreeLevel make_level(Backend& backend, int exponent, const Scale& scale,
@@ -92,9 +92,9 @@ Octree build_octree(Backend& backend, const PointCloud& points, const Scale& sca
   backend.download<BrickCoord>(points.bricks.coords.view(), with_points);
   backend.download<std::uint8_t>(points.octants.view(), octants);
 
-  std::vector<std::vector<BrickCoord>> coords = {dilate_by_octants(with_points, octants)};
+  std::vector<std::vector<BrickCoord>> coords = {dilate_by_octants(backend, with_points, octants)};
   while (coords.size() < 3 || !is_root(coords.back()))
-    coords.push_back(coarser_bricks(coords.back()));
+    coords.push_back(coarser_bricks(backend, coords.back()));
   const int root_exponent = static_cast<int>(coords.size()) - 1;
   require_depth(parameters, 4 + root_exponent);
 

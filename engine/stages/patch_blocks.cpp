@@ -5,6 +5,7 @@
 #include <bit>
 #include <utility>
 
+#include "stages/mesh_parts.h"
 #include "types/mesh_vertex.h"
 #include "vasamesh/errors.h"
 
@@ -296,19 +297,20 @@ WorkingSurface make_working_surface(Backend& backend, const RemeshGoal& goal,
   return surface;
 }
 
-TriangleMesh make_mesh(const WorkingSurface& surface) {
-  std::vector<std::uint32_t> name(surface.points.size(), kNone);
+TriangleMesh make_mesh(Backend& backend, const WorkingSurface& surface) {
   TriangleMesh mesh;
-  mesh.triangles.reserve(surface.triangles.size() + surface.resting.size());
-  for (const auto* triangles : {&surface.triangles, &surface.resting})
-    for (const std::uint32_t v : *triangles) {
-      if (name[v] == kNone) {
-        name[v] = static_cast<std::uint32_t>(mesh.vertex_count());
-        const Vec3& p = surface.points[v].position;
-        mesh.vertices.insert(mesh.vertices.end(), {p.x, p.y, p.z});
-      }
-      mesh.triangles.push_back(name[v]);
+  mesh.triangles = surface.triangles;
+  mesh.triangles.insert(mesh.triangles.end(), surface.resting.begin(), surface.resting.end());
+  const std::vector<std::uint32_t> vertices =
+      rename_in_order(backend, surface.points.size(), mesh.triangles);
+  mesh.vertices.resize(3 * vertices.size());
+  backend.run(chunks(vertices.size()), [&](std::size_t chunk) {
+    for (std::size_t v = chunk * kChunk; v < std::min((chunk + 1) * kChunk, vertices.size()); ++v) {
+      const Vec3& p = surface.points[vertices[v]].position;
+      const std::array<float, 3> position = {p.x, p.y, p.z};
+      std::copy_n(position.begin(), 3, &mesh.vertices[3 * v]);
     }
+  });
   return mesh;
 }
 

@@ -74,6 +74,6 @@ WorkingSurface make_working_surface(Backend& backend, const RemeshGoal& goal,
 
 /// The mesh of what is left, its vertices in the order in which the triangles have them: near ones
 /// lie near each other in memory.
-TriangleMesh make_mesh(const WorkingSurface& surface);
+TriangleMesh make_mesh(Backend& backend, const WorkingSurface& surface);
 
 }  // namespace vasamesh

@@ -159,7 +159,7 @@ double Polygonizer::base_share() const {
     const std::uint32_t* v = &base_.triangles[3 * t];
     stays[t] = within[v[0]] && within[v[1]] && within[v[2]];
   }
-  return area_of(backend_, part_of(base_, stays)) / base_area_;
+  return area_of(backend_, part_of(backend_, base_, stays)) / base_area_;
 }
 
 TriangleMesh Polygonizer::made() {
@@ -265,7 +265,7 @@ bool Polygonizer::count_is_right(std::int64_t triangles) {
 
 TriangleMesh Polygonizer::expanded() {
   const std::vector<std::uint8_t> hard = find_hard_regions(backend_, field_, sizes_, rule_, base_);
-  const TriangleMesh part = part_of(base_, hard);
+  const TriangleMesh part = part_of(backend_, base_, hard);
   report_.hard_share = area_of(backend_, part) / base_area_;
   if (report_.hard_share > kMostHard) {
     plan_ = Plan::remesh;
@@ -289,16 +289,16 @@ TriangleMesh Polygonizer::redone() {
   const std::span<const CarefulPlace> fresh = std::span(places_).subspan(first_fresh_);
   const float margin = kMargin * longest_edge();
   std::vector<std::uint8_t> within = vertices_in(backend_, Places(fresh), base_);
-  const TriangleMesh part = part_of(base_, choose_triangles(backend_, base_, within));
+  const TriangleMesh part = part_of(backend_, base_, choose_triangles(backend_, base_, within));
   const std::vector<std::uint8_t> near = vertices_in(backend_, wider(fresh, margin), last_);
   std::vector<std::uint8_t> kept(last_.triangle_count());
   for (std::size_t t = 0; t < kept.size(); ++t) {
     const std::uint32_t* v = &last_.triangles[3 * t];
     kept[t] = !near[v[0]] && !near[v[1]] && !near[v[2]];
   }
-  const TriangleMesh patches =
-      joined(part_of(last_, kept), remesh_patches(relaxing(), field_.view(), sizes_.view(field_),
-                                                  part, where_base_stays(fresh)));
+  const TriangleMesh patches = joined(part_of(backend_, last_, kept),
+                                      remesh_patches(relaxing(), field_.view(), sizes_.view(field_),
+                                                     part, where_base_stays(fresh)));
   const TriangleMesh mesh = front_over(patches);
 
   scheduler_.begin("finish", Stage::relax);

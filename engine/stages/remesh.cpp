@@ -61,13 +61,13 @@ TriangleMesh remesh(Backend& backend, const FieldView& field, const SizeView& si
   const RemeshGoal goal = {field, sizes, &careful, false};
   WorkingSurface surface = remesh_base(backend, goal, mesh);
   finish(backend, goal, surface);
-  return make_mesh(surface);
+  return make_mesh(backend, surface);
 }
 
 TriangleMesh remesh_patches(Backend& backend, const FieldView& field, const SizeView& sizes,
                             const TriangleMesh& mesh, std::span<const CarefulPlace> places) {
   const Places careful(places);
-  return make_mesh(remesh_base(backend, {field, sizes, &careful, false}, mesh));
+  return make_mesh(backend, remesh_base(backend, {field, sizes, &careful, false}, mesh));
 }
 
 TriangleMesh remesh_places(Backend& backend, const FieldView& field, const SizeView& sizes,
@@ -77,7 +77,7 @@ TriangleMesh remesh_places(Backend& backend, const FieldView& field, const SizeV
   WorkingSurface surface = make_working_surface(backend, goal, mesh);
   run_rounds(backend, goal, kPlaceRounds, kRepairedRounds, surface);
   finish(backend, goal, surface);
-  return make_mesh(surface);
+  return make_mesh(backend, surface);
 }
 
 std::vector<Vec3> centres_of(const TriangleMesh& mesh, std::span<const TrianglePair> pairs) {

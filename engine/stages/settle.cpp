@@ -196,7 +196,7 @@ class Settling {
                        even_edges(part, kEveningPasses);
                        widen_angles(part, kWideningPasses);
                      });
-    return make_mesh(surface);
+    return make_mesh(backend_, surface);
   }
 
   /// \param solid  the segmentation's marching cubes, or what of it is near.
@@ -318,14 +318,14 @@ class Settling {
 
  private:
   /// Puts those that are better in the place of what was cut out.
-  static void put_back(std::span<const Cutting> cuts, std::vector<std::uint8_t> cutting,
-                       Settled& settled) {
+  void put_back(std::span<const Cutting> cuts, std::vector<std::uint8_t> cutting,
+                Settled& settled) const {
     TriangleMesh better;
     for (const Cutting& cut : cuts)
       if (cut.is_better) better = joined(std::move(better), cut.mesh);
     if (better.triangles.empty()) return;
     for (std::uint8_t& c : cutting) c = c > 0 && cuts[c - 1].is_better;
-    settled.mesh = with_part(settled.mesh, cutting, better);
+    settled.mesh = with_part(backend_, settled.mesh, cutting, better);
     for (const Cutting& cut : cuts) {
       if (!cut.is_better) continue;
       const Places reached = cut.reached();
@@ -341,7 +341,7 @@ class Settling {
     std::vector<std::uint8_t> chosen(mesh.triangle_count());
     for (std::size_t c = 0; c < mesh.triangles.size(); ++c)
       chosen[c / 3] |= is_near(vertex_at(mesh, mesh.triangles[c]));
-    const TriangleMesh part = part_of(mesh, chosen);
+    const TriangleMesh part = part_of(backend_, mesh, chosen);
     std::vector<Vec3> meeting = centres_of(
         part, find_intersections(backend_, part, build_triangle_tree(backend_, part)).pairs);
     std::erase_if(meeting, [&](const Vec3& p) { return !is_near(p); });

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <unordered_map>
 #include <utility>
 
 #include "stages/adjacency.h"
+#include "stages/lower_to.h"
 #include "types/mesh_vertex.h"
 
 namespace vasamesh {
@@ -23,14 +25,12 @@ SurfaceSamples first_vertices(Backend& backend, const FieldView& field,
                               const TriangleMesh& surface) {
   const std::size_t cells = field.coefficients.size / kBrickCells * kCells;
   const std::size_t count = surface.vertex_count();
-  std::vector<std::uint32_t> cell_of(count);
+  std::vector<std::uint32_t> first(cells + 1, kNoVertex);
   backend.run((count + kVertexGrain - 1) / kVertexGrain, [&](std::size_t task) {
     const std::size_t end = std::min((task + 1) * kVertexGrain, count);
     for (std::size_t v = task * kVertexGrain; v < end; ++v)
-      cell_of[v] = static_cast<std::uint32_t>(size_cell(field, vertex_at(surface, v)));
+      lower_to(first[size_cell(field, vertex_at(surface, v))], static_cast<std::uint32_t>(v));
   });
-  std::vector<std::uint32_t> first(cells + 1, kNoVertex);
-  for (std::size_t v = count; v-- > 0;) first[cell_of[v]] = static_cast<std::uint32_t>(v);
   SurfaceSamples samples;
   for (std::size_t cell = 0; cell < cells; ++cell) {
     if (first[cell] == kNoVertex) continue;
@@ -214,35 +214,68 @@ void smooth_radii(Backend& backend, const IndicatorField& field, SurfaceSamples&
     if (samples.radius[i] > 0) samples.radius[i] = 1 / smooth[samples.cell[i]];
 }
 
-/// Half of the longest side of the box round the shell (joined by vertices) of each vertex.
-std::vector<float> shell_radii(Backend& backend, const TriangleMesh& surface) {
-  const std::vector<std::uint32_t> shell = connect_vertices(backend, surface);
-  std::vector<Vec3> low(shell.size()), high(shell.size());
-  for (std::size_t v = 0; v < shell.size(); ++v) {
-    const Vec3 at = vertex_at(surface, v);
-    Vec3 &least = low[shell[v]], &most = high[shell[v]];
-    if (shell[v] == v) least = most = at;
-    least = {std::min(least.x, at.x), std::min(least.y, at.y), std::min(least.z, at.z)};
-    most = {std::max(most.x, at.x), std::max(most.y, at.y), std::max(most.z, at.z)};
+/// Vertices of a shell that follow one another, and the box round them.
+struct ShellRun {
+  std::uint32_t shell;
+  Vec3 low, high;
+
+  void take_in(const ShellRun& other) {
+    low = {std::min(low.x, other.low.x), std::min(low.y, other.low.y),
+           std::min(low.z, other.low.z)};
+    high = {std::max(high.x, other.high.x), std::max(high.y, other.high.y),
+            std::max(high.z, other.high.z)};
   }
-  std::vector<float> radii(shell.size());
-  for (std::size_t v = 0; v < shell.size(); ++v) {
-    const Vec3 side = high[shell[v]] - low[shell[v]];
-    radii[v] = 0.5f * std::max({side.x, side.y, side.z});
+  float radius() const {
+    const Vec3 side = high - low;
+    return 0.5f * std::max({side.x, side.y, side.z});
   }
-  return radii;
+};
+
+/// Of each shell (joined by vertices) the box, as one run.
+std::vector<ShellRun> whole_shells(Backend& backend, const TriangleMesh& surface,
+                                   const std::vector<std::uint32_t>& shell) {
+  std::vector<std::vector<ShellRun>> runs((shell.size() + kVertexGrain - 1) / kVertexGrain);
+  backend.run(runs.size(), [&](std::size_t task) {
+    std::vector<ShellRun>& own = runs[task];
+    const std::size_t end = std::min((task + 1) * kVertexGrain, shell.size());
+    for (std::size_t v = task * kVertexGrain; v < end; ++v) {
+      const Vec3 at = vertex_at(surface, v);
+      if (own.empty() || own.back().shell != shell[v])
+        own.push_back({shell[v], at, at});
+      else
+        own.back().take_in({shell[v], at, at});
+    }
+  });
+  std::unordered_map<std::uint32_t, std::size_t> index;  // of a shell in:
+  std::vector<ShellRun> shells;
+  for (const std::vector<ShellRun>& some : runs)
+    for (const ShellRun& run : some) {
+      const auto [found, fresh] = index.try_emplace(run.shell, shells.size());
+      if (fresh)
+        shells.push_back(run);
+      else
+        shells[found->second].take_in(run);
+    }
+  return shells;
 }
 
 /// Shells within a ball of kSmallShell have its radius of curvature at most: the function hardly
 /// shows them, and at a voxel's distance other sheets.
 void bound_by_shells(Backend& backend, const FieldView& field, const TriangleMesh& surface,
                      SurfaceSamples& samples) {
+  const std::vector<std::uint32_t> shell = connect_vertices(backend, surface);
+  std::vector<float> radius;  // of a shell, where some are small
+  for (const ShellRun& whole : whole_shells(backend, surface, shell)) {
+    if (whole.radius() >= kSmallShell) continue;
+    radius.resize(shell.size(), kSmallShell);
+    radius[whole.shell] = whole.radius();
+  }
+  if (radius.empty()) return;
   std::vector<float> bound(field.coefficients.size / kBrickCells * kCells, kSmallShell);
-  const std::vector<float> radii = shell_radii(backend, surface);
-  for (std::size_t v = 0; v < radii.size(); ++v) {
-    if (radii[v] >= kSmallShell) continue;
+  for (std::size_t v = 0; v < shell.size(); ++v) {
+    if (radius[shell[v]] >= kSmallShell) continue;
     float& here = bound[size_cell(field, vertex_at(surface, v))];
-    here = std::min(here, radii[v]);
+    here = std::min(here, radius[shell[v]]);
   }
   for (std::size_t i = 0; i < samples.count(); ++i) {
     const float most = bound[samples.cell[i]];
