@@ -25,7 +25,7 @@ class Defects : public ::testing::Test {
 
 TEST_F(Defects, OneShapeHasNone) {
   const TriangleMesh coarse = moved(sphere(9, 3), {20, 20, 20});
-  EXPECT_TRUE(has_topology_of(ball_, coarse));
+  EXPECT_TRUE(has_topology_of(*backend_, ball_, coarse));
   EXPECT_TRUE(between(ball_, coarse).empty());
 }
 
@@ -35,14 +35,14 @@ TEST_F(Defects, AnOpenEdgeIsOne) {
                        open.vertices[3 * open.triangles[0] + 1],
                        open.vertices[3 * open.triangles[0] + 2]};
   open.triangles.erase(open.triangles.begin(), open.triangles.begin() + 3);
-  EXPECT_FALSE(has_topology_of(ball_, open));
+  EXPECT_FALSE(has_topology_of(*backend_, ball_, open));
   const std::vector<Vec3> found = between(ball_, open);
   ASSERT_EQ(found.size(), 3u);
   for (const Vec3& p : found) EXPECT_LT(norm(p - corner), 3);
 }
 
 TEST_F(Defects, AnotherEulerNumberIsAnotherTopology) {
-  EXPECT_FALSE(has_topology_of(ball_, moved(torus(9, 3, 60, 30), {20, 20, 20})));
+  EXPECT_FALSE(has_topology_of(*backend_, ball_, moved(torus(9, 3, 60, 30), {20, 20, 20})));
 }
 
 TEST_F(Defects, APieceThatTheBaseLacksIsFoundAllOver) {

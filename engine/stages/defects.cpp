@@ -16,7 +16,18 @@ namespace vasamesh {
 
 namespace {
 
-constexpr float kFarShare = 0.5f;  // of the largest distance
+constexpr float kFarShare = 0.5f;    // of the largest distance
+constexpr std::size_t kTask = 4096;  // vertices
+
+/// visit(task, v) for all vertices, task by task.
+template <class Visit>
+void for_each_vertex(Backend& backend, const TriangleMesh& mesh, const Visit& visit) {
+  const std::size_t count = mesh.vertex_count();
+  backend.run((count + kTask - 1) / kTask, [&](std::size_t task) {
+    for (std::size_t v = task * kTask; v < std::min((task + 1) * kTask, count); ++v)
+      visit(task, static_cast<std::uint32_t>(v));
+  });
+}
 
 std::int64_t euler_number(const TriangleMesh& closed) {
   return static_cast<std::int64_t>(closed.vertex_count()) -
@@ -28,15 +39,16 @@ std::int64_t euler_number(const TriangleMesh& closed) {
 struct Edges {
   std::vector<std::uint32_t> first, target;
 
-  explicit Edges(const TriangleMesh& mesh)
+  Edges(Backend& backend, const TriangleMesh& mesh)
       : first(mesh.vertex_count() + 1, 0), target(mesh.triangles.size()) {
     for (const std::uint32_t v : mesh.triangles) ++first[v + 1];
     std::partial_sum(first.begin(), first.end(), first.begin());
     std::vector<std::uint32_t> next(first.begin(), first.end() - 1);
     for (std::size_t c = 0; c < mesh.triangles.size(); ++c)
       target[next[mesh.triangles[c]]++] = mesh.triangles[c % 3 == 2 ? c - 2 : c + 1];
-    for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
+    for_each_vertex(backend, mesh, [&](std::size_t, std::uint32_t v) {
       std::sort(target.begin() + first[v], target.begin() + first[v + 1]);
+    });
   }
   std::span<const std::uint32_t> from(std::uint32_t v) const {
     return std::span(target).subspan(first[v], first[v + 1] - first[v]);
@@ -44,17 +56,20 @@ struct Edges {
 };
 
 /// The first vertices of the edges that have not one triangle on each side.
-std::vector<std::uint32_t> bad_edges(const TriangleMesh& mesh) {
-  const Edges edges(mesh);
-  std::vector<std::uint32_t> bad;
-  for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) {
+std::vector<std::uint32_t> bad_edges(Backend& backend, const TriangleMesh& mesh) {
+  const Edges edges(backend, mesh);
+  std::vector<std::vector<std::uint32_t>> parts((mesh.vertex_count() + kTask - 1) / kTask);
+  for_each_vertex(backend, mesh, [&](std::size_t task, std::uint32_t v) {
     const std::span<const std::uint32_t> targets = edges.from(v);
     for (std::size_t i = 0; i < targets.size(); ++i) {
       const std::span<const std::uint32_t> back = edges.from(targets[i]);
       if (std::count(back.begin(), back.end(), v) != 1 || (i > 0 && targets[i] == targets[i - 1]))
-        bad.push_back(v);
+        parts[task].push_back(v);
     }
-  }
+  });
+  std::vector<std::uint32_t> bad;
+  for (const std::vector<std::uint32_t>& part : parts)
+    bad.insert(bad.end(), part.begin(), part.end());
   return bad;
 }
 
@@ -79,15 +94,15 @@ void add_farthest(Backend& backend, const Vec3& middle, const TriangleMesh& from
 
 }  // namespace
 
-bool has_topology_of(const TriangleMesh& base, const TriangleMesh& mesh) {
-  return euler_number(mesh) == euler_number(base) && bad_edges(mesh).empty();
+bool has_topology_of(Backend& backend, const TriangleMesh& base, const TriangleMesh& mesh) {
+  return euler_number(mesh) == euler_number(base) && bad_edges(backend, mesh).empty();
 }
 
 std::vector<Vec3> find_defects(Backend& backend, const TriangleMesh& base,
                                const TriangleTree& base_tree, const TriangleMesh& mesh,
                                bool meets_itself) {
   std::vector<Vec3> found;
-  for (const std::uint32_t v : bad_edges(mesh)) found.push_back(vertex_at(mesh, v));
+  for (const std::uint32_t v : bad_edges(backend, mesh)) found.push_back(vertex_at(mesh, v));
   if (!meets_itself && !found.empty()) return found;
   const TriangleTree tree = build_triangle_tree(backend, mesh);
   if (meets_itself) {

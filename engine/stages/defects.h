@@ -16,7 +16,7 @@ namespace vasamesh {
 /// Whether every edge has one triangle on each side, and the Euler number is that of `base`. Pieces
 /// and handles may differ all the same.
 /// \pre no vertex of either is without a triangle, and the base surface is closed.
-bool has_topology_of(const TriangleMesh& base, const TriangleMesh& mesh);
+bool has_topology_of(Backend& backend, const TriangleMesh& base, const TriangleMesh& mesh);
 
 /// Where the mesh is open, has an edge of several triangles or meets itself. Where none of these
 /// explains its topology, where its curvature is not the base surface's (curvature.h): of such a

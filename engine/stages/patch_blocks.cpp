@@ -238,11 +238,14 @@ void for_each_part(Backend& backend, std::span<PatchMesh* const> parts,
 
 namespace {
 
-/// Sums of the triangles' normals, by area.
-void set_mesh_normals(WorkingSurface& surface) {
-  for (std::size_t c = 0; c < surface.triangles.size(); c += 3) {
+/// Sums of the triangles' normals, by area, for the points that do not rest.
+void set_mesh_normals(const TriangleMesh& mesh, const std::vector<std::uint8_t>& rests,
+                      WorkingSurface& surface) {
+  for (std::size_t c = 0; c < mesh.triangles.size(); c += 3) {
+    const std::uint32_t* v = &mesh.triangles[c];
+    if (rests[v[0]] && rests[v[1]] && rests[v[2]]) continue;
     SurfacePoint* corner[3];
-    for (int i = 0; i < 3; ++i) corner[i] = &surface.points[surface.triangles[c + i]];
+    for (int i = 0; i < 3; ++i) corner[i] = &surface.points[v[i]];
     const Vec3 normal =
         cross(corner[1]->position - corner[0]->position, corner[2]->position - corner[0]->position);
     for (SurfacePoint* p : corner) p->normal = p->normal + normal;
@@ -278,21 +281,23 @@ WorkingSurface make_working_surface(Backend& backend, const RemeshGoal& goal,
   WorkingSurface surface;
   surface.triangles = mesh.triangles;
   surface.points.resize(mesh.vertex_count());
-  for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
-    surface.points[v].position = vertex_at(mesh, v);
-  set_mesh_normals(surface);
-  const std::size_t count = surface.points.size();
-  std::vector<std::uint8_t> rests(count, 0);
+  const auto for_each_point = [&](const auto& visit) {
+    const std::size_t count = surface.points.size();
+    backend.run(chunks(count), [&](std::size_t chunk) {
+      for (std::size_t v = chunk * kChunk; v < std::min((chunk + 1) * kChunk, count); ++v)
+        visit(v, surface.points[v]);
+    });
+  };
+  for_each_point([&](std::size_t v, SurfacePoint& p) { p.position = vertex_at(mesh, v); });
+  std::vector<std::uint8_t> rests(mesh.vertex_count(), 0);
   if (goal.local) rests = put_to_rest(backend, *goal.places, surface);
   surface.keeps_border = goal.local;
-  backend.run(chunks(count), [&](std::size_t chunk) {
-    for (std::size_t v = chunk * kChunk; v < std::min((chunk + 1) * kChunk, count); ++v) {
-      if (rests[v]) continue;
-      SurfacePoint& p = surface.points[v];
-      p.normal = normalised(p.normal);
-      p.size = goal.size_at(p.position);
-      take_normal(goal.field, p);
-    }
+  set_mesh_normals(mesh, rests, surface);
+  for_each_point([&](std::size_t v, SurfacePoint& p) {
+    if (rests[v]) return;
+    p.normal = normalised(p.normal);
+    p.size = goal.size_at(p.position);
+    take_normal(goal.field, p);
   });
   return surface;
 }

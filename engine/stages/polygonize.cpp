@@ -343,7 +343,7 @@ TriangleMesh Polygonizer::remeshed() {
 TriangleMesh Polygonizer::settled(TriangleMesh mesh) {
   scheduler_.begin("settle", Stage::mesh,
                    "few places, each mended by long, branching tasks with exact predicates");
-  has_topology_ = has_topology_of(base_, mesh);
+  has_topology_ = has_topology_of(backend_, base_, mesh);
   if (!has_topology_) return mesh;
   if (!work_) work_ = kWork * mesh.triangle_count() + kLeastWork;
   const Bounds bounds = {base_, base_tree_, solid_, solid_tree_, limit_};
