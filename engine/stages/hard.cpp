@@ -159,8 +159,11 @@ void drop_islands(Backend& backend, const TriangleMesh& surface,
   std::vector<std::uint8_t> kept(root.size(), 0);
   for (std::uint32_t v = 0; v < root.size(); ++v)
     if (flagged[v] == kWithin) kept[root[v]] = 1;
-  for (std::size_t t = 0; t < hard.size(); ++t)
-    if (hard[t]) hard[t] = kept[root[surface.triangles[3 * t]]];
+  backend.run((hard.size() + kSurfaceGrain - 1) / kSurfaceGrain, [&](std::size_t task) {
+    const std::size_t end = std::min((task + 1) * kSurfaceGrain, hard.size());
+    for (std::size_t t = task * kSurfaceGrain; t < end; ++t)
+      if (hard[t]) hard[t] = kept[root[surface.triangles[3 * t]]];
+  });
 }
 
 }  // namespace
