@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <vtkFieldData.h>
 #include <vtkNew.h>
 #include <vtkPLYReader.h>
@@ -256,6 +257,32 @@ TEST_F(Surfaces, OutputIsCheckedBeforeAnyWork) {
   EXPECT_EQ(code_of(scratch_ / "folder.vtp"), ErrorCode::refused);
   EXPECT_THAT(scratch_.names(), ElementsAre("folder.vtp"));
   EXPECT_EQ(code_of("/proc/a.vtp"), ErrorCode::refused);
+}
+
+TEST_F(Surfaces, APipeIsNotReplaced) {
+  ASSERT_EQ(mkfifo((scratch_ / "pipe.ply").c_str(), 0600), 0);
+  std::filesystem::create_symlink("pipe.ply", scratch_ / "link.ply");
+  for (const char* name : {"pipe.ply", "link.ply"}) {
+    EXPECT_EQ(code_of(scratch_ / name), ErrorCode::refused) << name;
+    EXPECT_THROW(write_file(scratch_ / name, "new"), Error) << name;
+  }
+  EXPECT_TRUE(std::filesystem::is_fifo(scratch_ / "pipe.ply"));
+  EXPECT_THAT(scratch_.names(), ElementsAre("link.ply", "pipe.ply"));
+}
+
+TEST_F(Surfaces, LinksStayAndTheirFilesAreReplaced) {
+  std::filesystem::create_directory(scratch_ / "folder");
+  write("folder/a.ply", "old");
+  std::filesystem::create_symlink("folder/a.ply", scratch_ / "a.ply");
+  std::filesystem::create_symlink("a.ply", scratch_ / "b.ply");
+  std::filesystem::create_symlink(scratch_ / "folder/new.ply", scratch_ / "new.ply");
+  for (const char* name : {"b.ply", "new.ply"}) {
+    write_file(scratch_ / name, name);
+    EXPECT_TRUE(std::filesystem::is_symlink(scratch_ / name)) << name;
+  }
+  EXPECT_TRUE(std::filesystem::is_symlink(scratch_ / "a.ply"));
+  EXPECT_EQ(read_text(scratch_ / "folder/a.ply"), "b.ply");
+  EXPECT_EQ(read_text(scratch_ / "folder/new.ply"), "new.ply");
 }
 
 TEST_F(Surfaces, AFullDiskLeavesTheOldFile) {

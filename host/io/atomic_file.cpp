@@ -35,6 +35,18 @@ std::string temporary_name(const std::string& path) {
   return (std::filesystem::path(folder_of(path)) / name).string();
 }
 
+/// Devices and pipes, also behind links that only the system can follow (/dev/stdout).
+void check_replaceable(const std::string& path) {
+  std::error_code error;
+  const auto status = std::filesystem::status(path, error);
+  if (std::filesystem::is_directory(status)) {
+    throw_refused(path, "a folder has this name", "choose another name");
+  }
+  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
+    throw_refused(path, "a device or pipe has this name", "give the name of a file");
+  }
+}
+
 [[noreturn]] void throw_not_written(const std::string& path) {
   throw_refused(path, std::string("it could not be written (") + std::strerror(errno) + ")",
                 "make room on the disk");
@@ -42,16 +54,24 @@ std::string temporary_name(const std::string& path) {
 
 }  // namespace
 
-void check_writable(const std::string& path) {
+std::string linked_file(const std::string& path) {
+  constexpr int kMostLinks = 40;  // as many as the system follows
+  std::filesystem::path file = path;
   std::error_code error;
-  const std::string folder = folder_of(path);
+  for (int i = 0; i < kMostLinks && std::filesystem::is_symlink(file, error); ++i) {
+    file = file.parent_path() / std::filesystem::read_symlink(file, error);
+  }
+  return file.string();
+}
+
+void check_writable(const std::string& path) {
+  check_replaceable(path);
+  std::error_code error;
+  const std::string file = linked_file(path), folder = folder_of(file);
   if (!std::filesystem::is_directory(folder, error)) {
     throw_refused(path, "the folder " + folder + " does not exist", "make it first");
   }
-  if (std::filesystem::is_directory(path, error)) {
-    throw_refused(path, "a folder has this name", "choose another name");
-  }
-  const std::string probe = temporary_name(path);
+  const std::string probe = temporary_name(file);
   const int descriptor = open(probe.c_str(), O_WRONLY | O_CREAT | O_EXCL, 0600);
   if (descriptor < 0) {
     throw_refused(path, "the folder " + folder + " is not writable", "choose another folder");
@@ -60,7 +80,8 @@ void check_writable(const std::string& path) {
   unlink(probe.c_str());
 }
 
-AtomicFile::AtomicFile(const std::string& path) : path_(path), temporary_(temporary_name(path)) {
+AtomicFile::AtomicFile(const std::string& path)
+    : path_(path), file_(linked_file(path)), temporary_(temporary_name(file_)) {
   check_writable(path);
 }
 
@@ -70,7 +91,7 @@ AtomicFile::~AtomicFile() {
 }
 
 void AtomicFile::commit() {
-  if (std::rename(temporary_.c_str(), path_.c_str()) != 0) throw_not_written(path_);
+  if (std::rename(temporary_.c_str(), file_.c_str()) != 0) throw_not_written(path_);
   committed_ = true;
 }
 

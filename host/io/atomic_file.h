@@ -2,7 +2,8 @@
 
 /// \file
 /// Output that appears whole or not at all: written under a temporary name in the same folder,
-/// renamed when it is complete, removed on every other way out.
+/// renamed when it is complete, removed on every other way out. Where a symbolic link has the name,
+/// the file that it leads to is replaced, and the link stays.
 
 #include <string>
 #include <string_view>
@@ -13,25 +14,28 @@ namespace vasamesh {
 /// old file of that name as it was.
 class AtomicFile {
  public:
-  /// \throws Error refused: the folder is missing or not writable, `path` is a folder.
+  /// \throws Error refused, as check_writable.
   explicit AtomicFile(const std::string& path);
   ~AtomicFile();
   AtomicFile(const AtomicFile&) = delete;
   AtomicFile& operator=(const AtomicFile&) = delete;
 
-  /// Where to write: a new name in the folder of `path`, with its ending.
+  /// Where to write: a new name in the folder of the file, with its ending.
   const std::string& temporary() const { return temporary_; }
 
   /// Renames the temporary file to `path`. \throws Error refused.
   void commit();
 
  private:
-  std::string path_, temporary_;
+  std::string path_, file_, temporary_;
   bool committed_ = false;
 };
 
+/// What `path` names through symbolic links, whether it is there or not.
+std::string linked_file(const std::string& path);
+
 /// \throws Error refused when no file of the name `path` could be created: the folder is missing or
-///         not writable, or `path` is a folder.
+///         not writable, or `path` is a folder, a device or a pipe.
 void check_writable(const std::string& path);
 
 /// Writes `bytes` as the whole content of `path`. \throws Error refused.

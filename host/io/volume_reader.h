@@ -68,8 +68,8 @@ PackedSegmentation read_packed(const std::string& path, const ReadOptions& optio
 void write_segmentation(const std::string& path, const Segmentation& segmentation);
 
 /// What write_segmentation would refuse, found before any work is done.
-/// \throws Error usage (unknown ending), refused (folder missing or not writable, a folder of that
-///         name).
+/// \throws Error usage (unknown ending), refused (folder missing or not writable; a folder, device or
+///         pipe of that name).
 void check_volume_path(const std::string& path);
 
 }  // namespace vasamesh
