@@ -7,6 +7,7 @@
 #include <signal.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -155,6 +156,69 @@ TEST_F(Convert, OptionsBesideAPresetWin) {
     EXPECT_EQ(parameters["edge_max"], 3.0);
     EXPECT_EQ(parameters["surface"], "adaptive");
   }
+}
+
+/// Runs the program and expects it to refuse, with code 2, what `option` names.
+void expect_not_distinct(const Arguments& arguments, const std::string& option) {
+  const Outcome outcome = run_program(command(arguments));
+  EXPECT_EQ(outcome.code, 2) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("vasamesh: " + option + " names "));
+  EXPECT_EQ(outcome.out, "");
+}
+
+TEST_F(Convert, OutputsMustNotReplaceInputsOrEachOther) {
+  std::filesystem::create_hard_link(volume_, folder_ / "hard");
+  std::filesystem::create_symlink("torus.nii.gz", folder_ / "soft");
+  std::filesystem::create_symlink("torus.ply", folder_ / "early");
+  std::filesystem::create_directory_symlink(".", folder_ / "same");
+  const std::string bytes = read_text(volume_);
+  const std::vector<std::string> names = folder_.names();
+  for (const char* report : {"torus.nii.gz", "./torus.nii.gz", "same/torus.nii.gz", "hard", "soft",
+                             "torus.ply", "./torus.ply", "same/./torus.ply", "early"}) {
+    SCOPED_TRACE(report);
+    expect_not_distinct(
+        {"convert", volume_, "-o", folder_ / "torus.ply", "--report", folder_ / report},
+        "--report");
+  }
+  EXPECT_EQ(folder_.names(), names);
+  EXPECT_EQ(read_text(volume_), bytes);
+}
+
+TEST_F(Convert, OutputsMustNotLieInAFolderOfSlices) {
+  std::filesystem::create_directory(folder_ / "series");
+  write_text(folder_ / "series/1.dcm", "a slice");
+  std::filesystem::create_hard_link(folder_ / "series/1.dcm", folder_ / "hard.ply");
+  for (const char* name : {"series/1.dcm", "series/new.json", "hard.ply"})
+    expect_not_distinct(
+        {"convert", folder_ / "series", "-o", folder_ / "a.ply", "--report", folder_ / name},
+        "--report");
+  expect_not_distinct({"convert", folder_ / "series/", "-o", folder_ / "hard.ply"}, "--output");
+  EXPECT_EQ(read_text(folder_ / "hard.ply"), "a slice");
+}
+
+TEST(Check, AMapMustNotReplaceWhatIsChecked) {
+  const Scratch folder;
+  write_text(folder / "a.vtp", "a surface");
+  write_text(folder / "b.ply", "another");
+  std::filesystem::create_symlink("a.vtp", folder / "link.vtp");
+  for (const char* map : {"a.vtp", "link.vtp"}) {
+    expect_not_distinct({"check", folder / "a.vtp", "--map", folder / map}, "--map");
+    expect_not_distinct(
+        {"check", folder / "b.ply", "--reference", folder / "a.vtp", "--map", folder / map},
+        "--map");
+    expect_not_distinct(
+        {"check", folder / "b.ply", "--against", folder / "a.vtp", "--map", folder / map}, "--map");
+  }
+  EXPECT_EQ(read_text(folder / "a.vtp"), "a surface");
+}
+
+TEST(Phantom, ItsSurfaceMustNotReplaceItsVolume) {
+  const Scratch folder;
+  std::filesystem::create_symlink("torus.nii", folder / "torus.ply");
+  expect_not_distinct(
+      {"phantom", "torus", "-o", folder / "torus.nii", "--surface", folder / "torus.ply"},
+      "--surface");
+  EXPECT_THAT(folder.names(), ElementsAre("torus.ply"));
 }
 
 /// A block of 10 x 10 x 10 voxels without one in its middle.

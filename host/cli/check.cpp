@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "cli/commands.h"
+#include "cli/distinct_files.h"
 #include "cli/interrupt.h"
 #include "cli/summary.h"
 #include "io/marching_cubes.h"
@@ -89,8 +90,18 @@ void write_map(Backend& backend, const CheckRequest& request, const TriangleMesh
                      {"least_angle", std::move(shapes.least_angle)}});
 }
 
+/// What can be refused before any work.
+void check_request(const CheckRequest& request) {
+  if (request.map.empty()) return;
+  check_output_path(request.map);
+  check_distinct({{"SURFACE", request.surface},
+                  {"--against", request.volume},
+                  {"--reference", request.reference}},
+                 {{"--map", request.map}});
+}
+
 Examination examine(const CheckRequest& request) {
-  if (!request.map.empty()) check_output_path(request.map);
+  check_request(request);
   TriangleMesh mesh = read_surface(request.surface);
   std::optional<Segmentation> volume;
   if (!request.volume.empty()) volume = read_segmentation(request.volume, request.read);

@@ -2,9 +2,9 @@
 /// `vasamesh convert`: a volume file in, a surface file and a report out.
 
 #include <chrono>
-#include <filesystem>
 
 #include "cli/commands.h"
+#include "cli/distinct_files.h"
 #include "cli/interrupt.h"
 #include "cli/progress.h"
 #include "cli/summary.h"
@@ -22,11 +22,9 @@ namespace {
 void check_request(const ConvertRequest& request) {
   validate(request.parameters);
   check_output_path(request.output);
-  if (request.report.empty()) return;
-  check_writable(request.report);
-  if (std::filesystem::path(request.report).lexically_normal() ==
-      std::filesystem::path(request.output).lexically_normal())
-    throw Error(ErrorCode::usage, "--report names the same file as --output: give it another name");
+  if (!request.report.empty()) check_writable(request.report);
+  check_distinct({{"IN", request.input}},
+                 {{"--output", request.output}, {"--report", request.report}});
 }
 
 /// Runs `work`, and says how long it took: reading and writing are stages of the program.

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "cli/commands.h"
+#include "cli/distinct_files.h"
 #include "cli/interrupt.h"
 #include "io/surface_io.h"
 #include "io/volume_reader.h"
@@ -18,6 +19,7 @@ void run_phantom(const PhantomRequest& request) {
   catch_interrupts(true);
   check_volume_path(request.output);
   if (!request.surface.empty()) check_output_path(request.surface);
+  check_distinct({}, {{"--output", request.output}, {"--surface", request.surface}});
   PhantomOptions options = request.options;
   options.exact = !request.surface.empty();
   Phantom phantom = make_phantom(request.name, options);
