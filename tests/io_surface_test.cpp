@@ -13,6 +13,7 @@
 #include <vtkStringArray.h>
 #include <vtkXMLPolyDataReader.h>
 
+#include <atomic>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -319,6 +320,26 @@ TEST_F(Surfaces, AFileAppearsOnlyWhenItIsCommitted) {
   write_file(scratch_ / "a.vtp", "new");
   EXPECT_EQ(read_text(scratch_ / "a.vtp"), "new");
   EXPECT_EQ(scratch_.names().size(), 1u);
+}
+
+TEST_F(Surfaces, WhatIsCancelledIsNotCommitted) {
+  write("a.vtp", "old");
+  const std::atomic<bool> cancel{true};
+  const auto expect_cancelled = [&](const auto& work) {
+    try {
+      work();
+      ADD_FAILURE() << "it was written";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::cancelled);
+      EXPECT_THAT(error.what(), HasSubstr("a.vtp was not written"));
+    }
+  };
+  expect_cancelled([&] { write_file(scratch_ / "a.vtp", "new", &cancel); });
+  expect_cancelled([&] { write_surface(scratch_ / "a.vtp", tetrahedron(), Space::lps, &cancel); });
+  expect_cancelled(
+      [&] { write_surface_map(scratch_ / "a.vtp", tetrahedron(), Space::lps, {}, {}, &cancel); });
+  EXPECT_EQ(read_text(scratch_ / "a.vtp"), "old");
+  EXPECT_THAT(scratch_.names(), ElementsAre("a.vtp"));
 }
 
 }  // namespace

@@ -81,13 +81,16 @@ std::optional<TriangleMesh> reference_surface(const CheckRequest& request,
 void write_map(Backend& backend, const CheckRequest& request, const TriangleMesh& mesh,
                const PrincipalCurvatures& curvatures) {
   TriangleShapes shapes = triangle_shapes(backend, mesh);
+  catch_interrupts(true);  // so that no half of a file is left
   write_surface_map(request.map, mesh, request.space,
                     {{"rms_curvature", curvatures.rms()},
                      {"kmax", curvatures.most},
                      {"kmin", curvatures.least},
                      {"area", curvatures.area}},
                     {{"edge_ratio", std::move(shapes.edge_ratio)},
-                     {"least_angle", std::move(shapes.least_angle)}});
+                     {"least_angle", std::move(shapes.least_angle)}},
+                    &interrupted());
+  catch_interrupts(false);
 }
 
 /// What can be refused before any work.

@@ -64,11 +64,13 @@ void run_convert(const ConvertRequest& request) {
   Result result = convert(volume.view(), request.parameters, context);
   stop_if_interrupted();
   progress.show("write", 0);
-  const StageReport write =
-      timed("write", [&] { write_surface(request.output, result.mesh, request.parameters.space); });
+  const StageReport write = timed("write", [&] {
+    write_surface(request.output, result.mesh, request.parameters.space, &interrupted());
+  });
   result.report.stages.insert(result.report.stages.begin(), read);
   result.report.stages.push_back(write);
-  if (!request.report.empty()) write_file(request.report, to_json(result.report).dump(2) + "\n");
+  if (!request.report.empty())
+    write_file(request.report, to_json(result.report).dump(2) + "\n", &interrupted());
   progress.clear();
   if (!request.quiet) print_conversion(request.input, request.output, result.report);
 }

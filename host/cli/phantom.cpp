@@ -29,12 +29,12 @@ void run_phantom(const PhantomRequest& request) {
   stop_if_interrupted();
 
   const Segmentation volume{phantom.geometry, std::move(phantom.voxels)};
-  write_segmentation(request.output, volume);
+  write_segmentation(request.output, volume, &interrupted());
   const auto& [x, y, z] = volume.geometry.size;
   fmt::print("{}: {} x {} x {} voxels\n", request.output, x, y, z);
   if (!phantom.exact) return;
   stop_if_interrupted();
-  write_surface(request.surface, *phantom.exact, Space::lps);
+  write_surface(request.surface, *phantom.exact, Space::lps, &interrupted());
   fmt::print("{}: {} triangles\n", request.surface, phantom.exact->triangle_count());
 }
 

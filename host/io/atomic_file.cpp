@@ -80,8 +80,8 @@ void check_writable(const std::string& path) {
   unlink(probe.c_str());
 }
 
-AtomicFile::AtomicFile(const std::string& path)
-    : path_(path), file_(linked_file(path)), temporary_(temporary_name(file_)) {
+AtomicFile::AtomicFile(const std::string& path, const std::atomic<bool>* cancel)
+    : path_(path), file_(linked_file(path)), temporary_(temporary_name(file_)), cancel_(cancel) {
   check_writable(path);
 }
 
@@ -91,12 +91,14 @@ AtomicFile::~AtomicFile() {
 }
 
 void AtomicFile::commit() {
+  if (cancel_ && *cancel_)
+    throw Error(ErrorCode::cancelled, "interrupted: " + path_ + " was not written");
   if (std::rename(temporary_.c_str(), file_.c_str()) != 0) throw_not_written(path_);
   committed_ = true;
 }
 
-void write_file(const std::string& path, std::string_view bytes) {
-  AtomicFile file(path);
+void write_file(const std::string& path, std::string_view bytes, const std::atomic<bool>* cancel) {
+  AtomicFile file(path, cancel);
   const int descriptor = open(file.temporary().c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666);
   if (descriptor < 0) throw_not_written(path);
   while (!bytes.empty()) {

@@ -5,6 +5,7 @@
 /// renamed when it is complete, removed on every other way out. Where a symbolic link has the name,
 /// the file that it leads to is replaced, and the link stays.
 
+#include <atomic>
 #include <string>
 #include <string_view>
 
@@ -14,8 +15,9 @@ namespace vasamesh {
 /// old file of that name as it was.
 class AtomicFile {
  public:
+  /// \param cancel  keeps commit() from renaming once it is set; may be null.
   /// \throws Error refused, as check_writable.
-  explicit AtomicFile(const std::string& path);
+  explicit AtomicFile(const std::string& path, const std::atomic<bool>* cancel = nullptr);
   ~AtomicFile();
   AtomicFile(const AtomicFile&) = delete;
   AtomicFile& operator=(const AtomicFile&) = delete;
@@ -23,11 +25,12 @@ class AtomicFile {
   /// Where to write: a new name in the folder of the file, with its ending.
   const std::string& temporary() const { return temporary_; }
 
-  /// Renames the temporary file to `path`. \throws Error refused.
+  /// Renames the temporary file to `path`. \throws Error refused, cancelled.
   void commit();
 
  private:
   std::string path_, file_, temporary_;
+  const std::atomic<bool>* cancel_;
   bool committed_ = false;
 };
 
@@ -38,7 +41,9 @@ std::string linked_file(const std::string& path);
 ///         not writable, or `path` is a folder, a device or a pipe.
 void check_writable(const std::string& path);
 
-/// Writes `bytes` as the whole content of `path`. \throws Error refused.
-void write_file(const std::string& path, std::string_view bytes);
+/// Writes `bytes` as the whole content of `path`.
+/// \throws Error refused, cancelled when `cancel` was set before they were all written.
+void write_file(const std::string& path, std::string_view bytes,
+                const std::atomic<bool>* cancel = nullptr);
 
 }  // namespace vasamesh

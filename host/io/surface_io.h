@@ -4,6 +4,7 @@
 /// Surfaces in and out of files: VTK XML (.vtp), STL (.stl), PLY (.ply), Wavefront (.obj); legacy
 /// VTK (.vtk) in only.
 
+#include <atomic>
 #include <string>
 #include <vector>
 
@@ -26,8 +27,10 @@ TriangleMesh read_surface(const std::string& path);
 /// (RAS, VOXEL) in the header of an STL, in a comment of a PLY or OBJ, in a field-data string
 /// "SPACE" of a VTP. The file appears under its name only when it is complete.
 ///
-/// \throws Error usage (unknown ending), refused (folder missing or not writable, disk full).
-void write_surface(const std::string& path, const TriangleMesh& mesh, Space space);
+/// \throws Error usage (unknown ending), refused (folder missing or not writable, disk full),
+///         cancelled (`cancel` was set before it was complete).
+void write_surface(const std::string& path, const TriangleMesh& mesh, Space space,
+                   const std::atomic<bool>* cancel = nullptr);
 
 /// A number at each vertex or triangle, under a name.
 struct SurfaceArray {
@@ -37,13 +40,15 @@ struct SurfaceArray {
 
 /// Writes a .vtp with numbers at its vertices and triangles, for viewers to colour it by.
 /// \pre each array has an entry for every vertex, or triangle.
-/// \throws Error usage (another ending), refused (as write_surface).
+/// \throws Error usage (another ending), refused, cancelled (as write_surface).
 void write_surface_map(const std::string& path, const TriangleMesh& mesh, Space space,
                        const std::vector<SurfaceArray>& of_vertices,
-                       const std::vector<SurfaceArray>& of_triangles);
+                       const std::vector<SurfaceArray>& of_triangles,
+                       const std::atomic<bool>* cancel = nullptr);
 
 /// What write_surface would refuse, found before any work is done.
-/// \throws Error usage (unknown ending), refused (folder missing or not writable; a folder, device or
+/// \throws Error usage (unknown ending), refused (folder missing or not writable; a folder, device
+/// or
 ///         pipe of that name).
 void check_output_path(const std::string& path);
 

@@ -205,24 +205,26 @@ void check_output_path(const std::string& path) {
   check_writable(path);
 }
 
-void write_surface(const std::string& path, const TriangleMesh& mesh, Space space) {
+void write_surface(const std::string& path, const TriangleMesh& mesh, Space space,
+                   const std::atomic<bool>* cancel) {
   const std::string ending = surface_ending(path);
   const auto encode = ending == ".vtp"   ? encode_vtp
                       : ending == ".stl" ? encode_stl
                       : ending == ".ply" ? encode_ply
                                          : encode_obj;
-  write_file(path, encode(mesh, space));
+  write_file(path, encode(mesh, space), cancel);
 }
 
 void write_surface_map(const std::string& path, const TriangleMesh& mesh, Space space,
                        const std::vector<SurfaceArray>& of_vertices,
-                       const std::vector<SurfaceArray>& of_triangles) {
+                       const std::vector<SurfaceArray>& of_triangles,
+                       const std::atomic<bool>* cancel) {
   if (surface_ending(path) != ".vtp")
     throw Error(ErrorCode::usage, path + ": a surface with numbers on it; use the ending .vtp");
   const vtkSmartPointer<vtkPolyData> data = poly_data(mesh, space);
   add_arrays(of_vertices, *data->GetPointData());
   add_arrays(of_triangles, *data->GetCellData());
-  write_file(path, encode_poly_data(data));
+  write_file(path, encode_poly_data(data), cancel);
 }
 
 }  // namespace vasamesh

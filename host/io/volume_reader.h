@@ -64,11 +64,14 @@ PackedSegmentation read_packed(const std::string& path, const ReadOptions& optio
 /// Writes a segmentation as uint8, compressed where the format can: .nii, .nii.gz, .mha, .nrrd.
 /// The file appears under its name only when it is complete.
 ///
-/// \throws Error usage (unknown ending), refused (folder missing or not writable, disk full).
-void write_segmentation(const std::string& path, const Segmentation& segmentation);
+/// \throws Error usage (unknown ending), refused (folder missing or not writable, disk full),
+///         cancelled (`cancel` was set before it was complete).
+void write_segmentation(const std::string& path, const Segmentation& segmentation,
+                        const std::atomic<bool>* cancel = nullptr);
 
 /// What write_segmentation would refuse, found before any work is done.
-/// \throws Error usage (unknown ending), refused (folder missing or not writable; a folder, device or
+/// \throws Error usage (unknown ending), refused (folder missing or not writable; a folder, device
+/// or
 ///         pipe of that name).
 void check_volume_path(const std::string& path);
 

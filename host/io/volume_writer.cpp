@@ -66,10 +66,11 @@ void check_volume_path(const std::string& path) {
   check_writable(path);
 }
 
-void write_segmentation(const std::string& path, const Segmentation& segmentation) {
+void write_segmentation(const std::string& path, const Segmentation& segmentation,
+                        const std::atomic<bool>* cancel) {
   const Quiet quiet;
   const std::string ending = volume_ending(path);
-  AtomicFile file(path);
+  AtomicFile file(path, cancel);
   const itk::ImageIOBase::Pointer io = make_image_io(ending);
   describe(segmentation.geometry, *io);
   io->SetUseCompression(ending != ".nii");
