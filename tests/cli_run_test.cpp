@@ -292,6 +292,7 @@ TEST_P(Interrupted, ConversionLeavesTheOldFile) {
   const Scratch folder;
   run({"phantom", "aorta", "-o", folder / "aorta.nii.gz"});
   write_text(folder / "aorta.vtp", "an old surface");
+  signal(GetParam(), SIG_DFL);  // nohup would have it ignored
   const Outcome outcome =
       interrupt_program(command({"convert", folder / "aorta.nii.gz", "-o", folder / "aorta.vtp",
                                  "--report", folder / "aorta.json"}),
@@ -302,7 +303,31 @@ TEST_P(Interrupted, ConversionLeavesTheOldFile) {
   EXPECT_EQ(read_text(folder / "aorta.vtp"), "an old surface");
 }
 
-INSTANTIATE_TEST_SUITE_P(Signals, Interrupted, testing::Values(SIGINT, SIGTERM));
+INSTANTIATE_TEST_SUITE_P(Signals, Interrupted, testing::Values(SIGINT, SIGTERM, SIGHUP));
+
+/// The program, started by a shell after `preparation`.
+Arguments in_shell(const std::string& preparation, const Arguments& arguments) {
+  Arguments all = {"/bin/sh", "-c", preparation + "; exec \"$@\"", "sh"};
+  for (const std::string& argument : command(arguments)) all.push_back(argument);
+  return all;
+}
+
+TEST_F(Convert, GoesOnWithoutItsTerminalUnderNohup) {
+  const Arguments arguments = {"convert", volume_, "-o", folder_ / "torus.ply"};
+  const Outcome outcome = interrupt_program(in_shell("trap '' HUP", arguments), "%  read", SIGHUP);
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_THAT(folder_.names(), ElementsAre("torus.nii.gz", "torus.ply"));
+}
+
+TEST_F(Convert, ALimitOfAFilesSizeIsAFullDisk) {
+  write_text(folder_ / "torus.ply", "an old surface");
+  const Arguments arguments = {"convert", volume_, "-o", folder_ / "torus.ply"};
+  const Outcome outcome = run_program(in_shell("ulimit -f 1", arguments));
+  EXPECT_EQ(outcome.code, 6);
+  EXPECT_THAT(outcome.err, HasSubstr("could not be written"));
+  EXPECT_THAT(folder_.names(), ElementsAre("torus.nii.gz", "torus.ply"));
+  EXPECT_EQ(read_text(folder_ / "torus.ply"), "an old surface");
+}
 
 }  // namespace
 }  // namespace vasamesh

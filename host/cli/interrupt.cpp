@@ -3,6 +3,8 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <csignal>
+
 #include "vasamesh/errors.h"
 
 namespace vasamesh::cli {
@@ -17,6 +19,12 @@ extern "C" void on_signal(int) {
   if (asked.exchange(true) || !ask_first) _exit(static_cast<int>(ErrorCode::cancelled));
 }
 
+/// As nohup has it.
+bool is_ignored(int signal) {
+  struct sigaction action = {};
+  return sigaction(signal, nullptr, &action) == 0 && action.sa_handler == SIG_IGN;
+}
+
 }  // namespace
 
 void catch_interrupts(bool ask) {
@@ -26,6 +34,8 @@ void catch_interrupts(bool ask) {
   sigemptyset(&action.sa_mask);
   action.sa_flags = SA_RESTART;
   for (const int signal : {SIGINT, SIGTERM}) sigaction(signal, &action, nullptr);
+  if (!is_ignored(SIGHUP)) sigaction(SIGHUP, &action, nullptr);
+  std::signal(SIGXFSZ, SIG_IGN);
 }
 
 const std::atomic<bool>& interrupted() { return asked; }
