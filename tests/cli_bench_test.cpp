@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
@@ -82,6 +83,15 @@ TEST_F(Bench, ADeviceIsWhatRanAndAgrees) {
     }
   }
   EXPECT_GT(launches, 100);
+}
+
+TEST_F(Bench, AFileNameNeedNotBeUtf8) {
+  const std::string volume = folder_ / "\xff.nii.gz";
+  std::filesystem::copy_file(volume_, volume);
+  const Outcome outcome =
+      run({"bench", volume, "--repeat", "1", "--json", "--backends", "tbb", "--threads", "1"});
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_EQ(json::parse(outcome.out)[0]["input"], folder_ / "\uFFFD.nii.gz");
 }
 
 TEST_F(Bench, TheTableIsForPeople) {

@@ -82,6 +82,14 @@ TEST(Check, ASurfaceHasNoDistanceToItself) {
   EXPECT_FALSE(report["distance"].contains("voxel_mm"));
 }
 
+TEST(Check, AFileNameNeedNotBeUtf8) {
+  const Scratch folder;
+  const std::string surface = folder / "bad\xff\xfe.ply";
+  run({"phantom", "sphere", "--radius", "3", "-o", folder / "sphere.nii", "--surface", surface});
+  const json report = json::parse(run({"check", surface, "--json"}));
+  EXPECT_EQ(report["surface"], folder / "bad\uFFFD\uFFFD.ply");
+}
+
 TEST(Check, WritesAMapOfCurvatures) {
   const Scratch folder;
   run({"phantom", "sphere", "--radius", "6", "--spacing", "0.5", "0.5", "0.5", "-o",

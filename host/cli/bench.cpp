@@ -9,6 +9,7 @@
 
 #include "cli/commands.h"
 #include "cli/interrupt.h"
+#include "io/report_json.h"
 #include "io/volume_reader.h"
 
 namespace vasamesh::cli {
@@ -121,7 +122,7 @@ void run_bench(const BenchRequest& request) {
                table.object_voxels, table.points, table.triangles);
     for (std::size_t i = 0; i < ways.size(); ++i) print_run(ways, table, i);
   }
-  if (request.json) fmt::print("{}\n", all.dump(2));
+  if (request.json) fmt::print("{}\n", to_text(all));
 }
 
 }  // namespace vasamesh::cli

@@ -158,7 +158,7 @@ nlohmann::ordered_json to_json(const CheckRequest& request, const Examination& r
 
 void print(const CheckRequest& request, const Examination& result) {
   if (request.json) {
-    fmt::print("{}\n", to_json(request, result).dump(2));
+    fmt::print("{}\n", to_text(to_json(request, result)));
     return;
   }
   print_check(request.surface, result.check, result.quality);

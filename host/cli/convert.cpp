@@ -70,7 +70,7 @@ void run_convert(const ConvertRequest& request) {
   result.report.stages.insert(result.report.stages.begin(), read);
   result.report.stages.push_back(write);
   if (!request.report.empty())
-    write_file(request.report, to_json(result.report).dump(2) + "\n", &interrupted());
+    write_file(request.report, to_text(to_json(result.report)) + "\n", &interrupted());
   progress.clear();
   if (!request.quiet) print_conversion(request.input, request.output, result.report);
 }

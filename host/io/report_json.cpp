@@ -17,6 +17,10 @@ Json list(const Items& items) {
 
 }  // namespace
 
+std::string to_text(const Json& json) {
+  return json.dump(2, ' ', false, Json::error_handler_t::replace);
+}
+
 Json to_json(const Geometry& geometry) {
   return {{"size", geometry.size},
           {"spacing", geometry.spacing},

@@ -4,6 +4,7 @@
 /// Reports as JSON. docs/report.md describes the schema.
 
 #include <nlohmann/json.hpp>
+#include <string>
 
 #include "vasamesh/report.h"
 
@@ -11,6 +12,10 @@ namespace vasamesh {
 
 /// The whole report, with `schema_version`.
 nlohmann::ordered_json to_json(const Report& report);
+
+/// What is printed or written: indented, names of files that are not UTF-8 with U+FFFD for each bad
+/// byte.
+std::string to_text(const nlohmann::ordered_json& json);
 
 /// Parts of it, as they stand in the whole.
 nlohmann::ordered_json to_json(const Geometry& geometry);
