@@ -248,9 +248,49 @@ INSTANTIATE_TEST_SUITE_P(BadInput, Faults, testing::ValuesIn(kBadInput), fault_n
 INSTANTIATE_TEST_SUITE_P(FailedCheck, Faults, testing::ValuesIn(kFailedCheck), fault_name);
 
 TEST(Output, AFullDiskUnderStandardOutputIsRefused) {
-  const Outcome outcome = vasamesh_with({"devices"}, "/dev/full");
+  for (const Arguments& arguments :
+       {Arguments{"devices"}, {"--help"}, {"convert", "--help"}, {"--version"}}) {
+    const Outcome outcome = vasamesh_with(arguments, "/dev/full");
+    EXPECT_EQ(outcome.code, 6) << arguments.front();
+    EXPECT_THAT(outcome.err, HasSubstr("standard output"));
+  }
+}
+
+/// More than stdout holds back, so that the printing itself fails.
+TEST(Output, AFullDiskUnderMuchOutputIsRefused) {
+  const Scratch folder;
+  write_text(folder / "good.nrrd", nrrd("uchar", voxels(std::vector<unsigned char>{1, 1})));
+  const std::string input = folder / "good.nrrd";
+  const Outcome outcome = vasamesh_with(
+      {"bench", input, input, "--json", "--repeat", "1", "--backends", "tbb", "--threads", "1"},
+      "/dev/full");
   EXPECT_EQ(outcome.code, 6);
   EXPECT_THAT(outcome.err, HasSubstr("standard output"));
+}
+
+/// \return the exit code with what the shell makes of the streams.
+int code_with(const std::string& redirection, const Arguments& arguments) {
+  Arguments all = {"/bin/sh", "-c", "exec \"$@\" " + redirection, "sh", VASAMESH_PROGRAM};
+  all.insert(all.end(), arguments.begin(), arguments.end());
+  return run_program(all).code;
+}
+
+TEST(Output, StreamsMayBeClosedOrFull) {
+  const Scratch folder;
+  make_inputs(folder);
+  const Arguments loud = {"convert", folder / "good.nrrd", "-o", folder / "new.vtp"};
+  Arguments quiet = loud;
+  quiet.push_back("--quiet");
+  ASSERT_EQ(code_with("", quiet), 0);
+  const std::string surface = read_text(folder / "new.vtp");
+  for (const char* streams : {"<&- >&- 2>&-", ">&- 2>/dev/full", ">/dev/full 2>&-"}) {
+    SCOPED_TRACE(streams);
+    EXPECT_EQ(code_with(streams, loud), 6);
+    EXPECT_TRUE(read_text(folder / "new.vtp") == surface);
+    EXPECT_EQ(code_with(streams, quiet), 0);
+    EXPECT_EQ(code_with(streams, {"convert", folder / "empty.nrrd", "-o", folder / "a.vtp"}), 3);
+    EXPECT_EQ(code_with(streams, {"--gloss"}), 2);
+  }
 }
 
 }  // namespace

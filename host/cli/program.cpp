@@ -1,7 +1,8 @@
 #include "cli/program.h"
 
-#include <fmt/core.h>
+#include <fcntl.h>
 #include <tbb/global_control.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -19,6 +20,15 @@ namespace vasamesh::cli {
 
 namespace {
 
+constexpr const char* kNoOutput =
+    "standard output cannot be written: is it closed, or the disk full?";
+
+/// A stream that is closed stays one that cannot be used: no file that is opened takes its number.
+void occupy_standard_streams() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+    if (fcntl(stream, F_GETFD) < 0) open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY);
+}
+
 /// Leaves without taking the program down: a device may still be at work on what was cancelled, and
 /// its driver waits for it.
 [[noreturn]] void leave(int code) {
@@ -29,13 +39,12 @@ namespace {
 
 int report(ErrorCode code, std::string message) {
   std::replace(message.begin(), message.end(), '\n', ' ');
-  fmt::print(stderr, "vasamesh: {}\n", message);
+  std::fprintf(stderr, "vasamesh: %s\n", message.c_str());  // fmt throws where it cannot be written
   return static_cast<int>(code);
 }
 
-/// Wrong use; help and version arrive here too, as errors with code 0.
+/// Wrong use, with the help that explains it.
 int report_usage(const CLI::App& app, const CLI::ParseError& error) {
-  if (error.get_exit_code() == 0) return app.exit(error);
   std::string help = "vasamesh";
   for (const CLI::App* sub : app.get_subcommands()) help += " " + sub->get_name();
   std::string message = error.what();
@@ -49,9 +58,8 @@ template <class Work>
 int guard(const Work& work) {
   try {
     work();
-    if (std::fflush(stdout) != 0 || std::ferror(stdout))
-      throw Error(ErrorCode::refused, "standard output cannot be written: is the disk full?");
-    return 0;
+    return std::fflush(stdout) == 0 && !std::ferror(stdout) ? 0
+                                                            : report(ErrorCode::refused, kNoOutput);
   } catch (const Error& error) {
     if (error.code() == ErrorCode::cancelled) leave(report(error.code(), error.what()));
     if (error.code() != ErrorCode::internal) return report(error.code(), error.what());
@@ -61,6 +69,7 @@ int guard(const Work& work) {
     return report(ErrorCode::refused,
                   "out of memory: close other programs, or crop the volume to the vessels");
   } catch (const std::exception& error) {
+    if (std::ferror(stdout)) return report(ErrorCode::refused, kNoOutput);
     return report(ErrorCode::internal,
                   std::string(error.what()) + "; this is a fault of vasamesh, please report it");
   }
@@ -77,6 +86,7 @@ std::optional<tbb::global_control> limit_threads(int threads) {
 }  // namespace
 
 int run(int argc, const char* const* argv) {
+  occupy_standard_streams();
   CLI::App app("Segmented blood vessels to closed, smooth triangle surfaces", "vasamesh");
   app.set_version_flag("--version", std::string("vasamesh ") + version());
   app.require_subcommand(1);
@@ -99,7 +109,8 @@ int run(int argc, const char* const* argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return report_usage(app, error);
+    if (error.get_exit_code() != 0) return report_usage(app, error);
+    return guard([&] { app.exit(error); });  // help and version
   }
   const auto threads = limit_threads(std::max(convert.context.threads, check.threads));
   return guard([&] {

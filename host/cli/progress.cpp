@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cstdio>
 
 namespace vasamesh::cli {
 
@@ -11,6 +12,12 @@ namespace {
 
 constexpr int kCells = 30;
 constexpr std::chrono::milliseconds kRedraw{50};
+
+/// fmt would throw where the terminal is gone.
+void draw(const std::string& line) {
+  std::fprintf(stderr, "\r\033[K%s", line.c_str());
+  std::fflush(stderr);
+}
 
 }  // namespace
 
@@ -23,15 +30,13 @@ void Progress::show(std::string_view phase, double fraction) {
   drawn_ = now;
   phase_ = phase;
   shown_ = true;
-  fmt::print(stderr, "\r\033[K{}", progress_line(phase, fraction));
-  std::fflush(stderr);
+  draw(progress_line(phase, fraction));
 }
 
 void Progress::clear() {
   if (!shown_) return;
   shown_ = false;
-  fmt::print(stderr, "\r\033[K");
-  std::fflush(stderr);
+  draw("");
 }
 
 std::string progress_line(std::string_view phase, double fraction) {
