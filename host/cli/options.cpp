@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <charconv>
+#include <limits>
 #include <map>
 #include <vector>
 
@@ -109,6 +110,13 @@ void add_edge_lengths(CLI::App* app, Parameters& p) {
       p.surface, "The fine lattice's triangles, or such as follow the curvature", "adaptive");
 }
 
+/// A number of bytes beyond the range arrives as the last one within.
+std::int64_t checked_bytes(std::int64_t bytes) {
+  if (bytes == std::numeric_limits<std::int64_t>::max())
+    throw CLI::ValidationError("--max-memory", "give less than 8 EiB");
+  return bytes;
+}
+
 void add_parameters(CLI::App* app, Parameters& p, std::int64_t& read_memory) {
   app->add_option("--neighbours", p.neighbours, "Points of a normal's covariance, 3 to 64")
       ->capture_default_str();
@@ -129,7 +137,9 @@ void add_parameters(CLI::App* app, Parameters& p, std::int64_t& read_memory) {
   add_edge_lengths(app, p);
   app->add_option_function<std::int64_t>(
          "--max-memory",
-         [&p, &read_memory](std::int64_t bytes) { p.max_memory = read_memory = bytes; },
+         [&p, &read_memory](std::int64_t bytes) {
+           p.max_memory = read_memory = checked_bytes(bytes);
+         },
          "Bytes that the work may hold, with K, M or G; 0: no limit")
       ->transform(CLI::AsSizeValue(false))
       ->type_name("BYTES")
