@@ -117,6 +117,38 @@ TEST_F(Surfaces, StlVerticesAreMergedInOrderOfAppearance) {
   EXPECT_EQ(read.triangles, (std::vector<std::uint32_t>{0, 1, 2, 0, 2, 3, 2, 1, 3, 0, 3, 1}));
 }
 
+TEST_F(Surfaces, StlVerticesOfMinusZeroAreThoseOfZero) {
+  write_surface(scratch_ / "a.stl", tetrahedron(), Space::lps);
+  std::string bytes = read_text(scratch_ / "a.stl");
+  const float zero = -0.0f;
+  std::memcpy(&bytes[84 + 12], &zero, sizeof(zero));
+  EXPECT_EQ(read_surface(write("a.stl", bytes)).vertex_count(), 4u);
+}
+
+TEST_F(Surfaces, BinaryStlThatBeginsAsText) {
+  write_surface(scratch_ / "a.stl", tetrahedron(), Space::lps);
+  const std::string plain = read_text(scratch_ / "a.stl");
+  for (const char filling : {'\0', ' '}) {
+    std::string bytes = plain;
+    bytes.replace(0, 80, "solid" + std::string(75, filling));
+    EXPECT_EQ(read_surface(write("a.stl", bytes)).triangle_count(), 4u);
+    expect_bad(write("a.stl", bytes.substr(0, bytes.size() - 20)), "truncated");
+    bytes.replace(80, 4, "\xff\xff\xff\xff");
+    expect_bad(write("a.stl", bytes), "truncated");
+  }
+}
+
+TEST_F(Surfaces, TextStl) {
+  const std::string facet =
+      "facet normal 0 0 1\n outer loop\n vertex 0 0 0\n vertex 1 0 0\n vertex 0 1 -0\n"
+      " endloop\nendfacet\n";
+  for (const char* name : {"", " of no length in particular", " caf\xc3\xa9"})
+    EXPECT_EQ(
+        read_surface(write("a.stl", "solid" + std::string(name) + "\n" + facet + "endsolid\n"))
+            .triangle_count(),
+        1u);
+}
+
 TEST_F(Surfaces, TheSpaceIsInTheFile) {
   const std::pair<Space, std::string> spaces[] = {
       {Space::lps, "LPS"}, {Space::ras, "RAS"}, {Space::voxel, "VOXEL"}};

@@ -11,6 +11,8 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
+#include <cctype>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -91,15 +93,24 @@ vtkSmartPointer<vtkPolyData> read_poly_data(const std::string& path, const std::
   return try_reader<vtkSTLReader>(path, [](vtkSTLReader& reader) { reader.MergingOff(); });
 }
 
+/// "solid" begins a text, and some binary files: a text has no control characters but white space.
+bool is_text_stl(std::string_view head) {
+  return head.starts_with("solid") && std::all_of(head.begin(), head.end(), [](unsigned char c) {
+           return std::iscntrl(c) == 0 || std::isspace(c) != 0;
+         });
+}
+
 // VTK reads as many triangles as it finds, whatever the number before them says.
 void check_stl(const std::string& path) {
-  constexpr std::int64_t kHeader = 84, kRecord = 50;
-  std::array<char, kHeader> head{};
-  ByteStream(path, 0, Encoding::raw).read(head.data(), head.size());
-  if (std::string_view(head.data(), 5) == "solid") return;
+  constexpr std::size_t kHeader = 84, kRecord = 50;
+  std::array<char, kHeader + kRecord> head{};
+  const std::size_t bytes = ByteStream(path, 0, Encoding::raw).read(head.data(), head.size());
   std::uint32_t count = 0;
   std::memcpy(&count, head.data() + 80, sizeof(count));
-  if (file_size(path) < kHeader + kRecord * count) {
+  const std::size_t whole = kHeader + kRecord * count,
+                    size = static_cast<std::size_t>(file_size(path));
+  if (size == whole || is_text_stl({head.data(), bytes})) return;
+  if (size < whole) {
     throw_bad_input(path, "truncated: it holds fewer triangles than it says",
                     "get a whole copy of the file");
   }
@@ -155,13 +166,17 @@ void append_strips(const std::string& path, vtkCellArray& strips, TriangleMesh& 
   }
 }
 
-std::uint64_t hash_bits(const std::array<std::uint32_t, 3>& bits) {
+std::uint64_t hash_vertex(const float* vertex) {
   std::uint64_t hash = 0;
-  for (const std::uint32_t word : bits) hash = (hash ^ word) * 0x9e3779b97f4a7c15u;
+  for (int axis = 0; axis < 3; ++axis) {
+    const float value = vertex[axis] + 0.0f;  // -0 becomes 0
+    hash = (hash ^ std::bit_cast<std::uint32_t>(value)) * 0x9e3779b97f4a7c15u;
+  }
   return hash ^ (hash >> 32);
 }
 
-/// Merges vertices of equal bits, in order of first appearance. Open addressing, half full at most.
+/// Merges equal vertices, 0 and -0 alike, in order of first appearance. Open addressing, half full
+/// at most.
 void merge_vertices(TriangleMesh& mesh) {
   constexpr std::uint32_t kEmpty = std::numeric_limits<std::uint32_t>::max();
   std::size_t slots = 16;
@@ -169,16 +184,15 @@ void merge_vertices(TriangleMesh& mesh) {
   std::vector<std::uint32_t> table(slots, kEmpty), merged(mesh.vertex_count());
   std::vector<float> vertices;
   for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
-    std::array<std::uint32_t, 3> bits;
-    std::memcpy(bits.data(), &mesh.vertices[3 * v], sizeof(bits));
-    std::size_t slot = hash_bits(bits) & (slots - 1);
+    const float* vertex = &mesh.vertices[3 * v];
+    std::size_t slot = hash_vertex(vertex) & (slots - 1);
     while (table[slot] != kEmpty &&
-           std::memcmp(&vertices[3 * std::size_t{table[slot]}], bits.data(), sizeof(bits)) != 0) {
+           !std::equal(vertex, vertex + 3, &vertices[3 * std::size_t{table[slot]}])) {
       slot = (slot + 1) & (slots - 1);
     }
     if (table[slot] == kEmpty) {
       table[slot] = static_cast<std::uint32_t>(vertices.size() / 3);
-      vertices.insert(vertices.end(), &mesh.vertices[3 * v], &mesh.vertices[3 * v] + 3);
+      vertices.insert(vertices.end(), vertex, vertex + 3);
     }
     merged[v] = table[slot];
   }
