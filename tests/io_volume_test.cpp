@@ -7,8 +7,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iomanip>
 #include <numeric>
 #include <random>
+#include <sstream>
 
 #include "io/volume_reader.h"
 #include "support/itk_volumes.h"
@@ -264,6 +266,40 @@ TEST(MetaAndNrrd, VoxelsInAFileOfTheirOwn) {
   const std::vector<std::uint8_t> wanted{0, 1, 1, 0, 0, 1};
   for (const char* name : {"a.mhd", "b.mhd", "a.nrrd"}) {
     EXPECT_EQ(read_segmentation(scratch / name).voxels, wanted) << name;
+  }
+}
+
+/// "(1,2,3)" of a vector of LPS in a space whose x and y have these signs.
+std::string vector_text(const std::array<double, 3>& lps, const std::array<double, 2>& signs) {
+  std::ostringstream text;
+  text << std::setprecision(17) << "(" << signs[0] * lps[0] << "," << signs[1] * lps[1] << ","
+       << lps[2] << ")";
+  return text.str();
+}
+
+// ITK 5.2 turns the wrong axis of LAS round.
+TEST(MetaAndNrrd, ThePlaceInEverySpaceOfNrrd) {
+  const Scratch scratch;
+  const Geometry wanted{{3, 4, 5}, {0.5, 0.75, 1.25}, {-12.5, 7.25, 101}, oblique(true)};
+  const std::pair<const char*, std::array<double, 2>> spaces[] = {
+      {"left-posterior-superior", {1, 1}},
+      {"right-anterior-superior", {-1, -1}},
+      {"left-anterior-superior", {1, -1}},
+      {"LPS", {1, 1}},
+      {"RAS", {-1, -1}},
+      {"LAS", {1, -1}}};
+  for (const auto& [space, signs] : spaces) {
+    SCOPED_TRACE(space);
+    std::string lines = "encoding: raw\nspace: " + std::string(space) + "\nspace directions:";
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      std::array<double, 3> step;
+      for (std::size_t row = 0; row < 3; ++row)
+        step[row] = wanted.spacing[axis] * wanted.direction[3 * row + axis];
+      lines.append(" ").append(vector_text(step, signs));
+    }
+    lines += "\nspace origin: " + vector_text(wanted.origin, signs) + "\n";
+    write_text(scratch / "a.nrrd", nrrd_file(3, 4, 5, lines, std::string(60, '\1')));
+    expect_near(read_segmentation(scratch / "a.nrrd").geometry, wanted);
   }
 }
 

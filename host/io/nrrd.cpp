@@ -3,7 +3,10 @@
 
 #include <itkNrrdImageIO.h>
 
+#include <array>
 #include <bit>
+#include <cmath>
+#include <cstdio>
 
 #include "io/io_error.h"
 #include "io/itk_header.h"
@@ -76,6 +79,33 @@ Volume open_nrrd(const std::string& path) {
   auto io = itk::NrrdImageIO::New();
   read_itk_header(path, *io);
   Volume volume;
+/// The vectors of three numbers among what the field has, "none" for one.
+std::vector<std::array<double, 3>> vectors(const std::string& field) {
+  std::vector<std::array<double, 3>> all;
+  for (std::size_t at = field.find('('); at != std::string::npos; at = field.find('(', at + 1)) {
+    std::array<double, 3> v{};
+    if (std::sscanf(field.c_str() + at, "( %lf , %lf , %lf )", &v[0], &v[1], &v[2]) == 3)
+      all.push_back(v);
+  }
+  return all;
+}
+
+// ITK 5.2 turns x round, where (x, -y, z) is LPS.
+void place_las(const TextHeader& header, Geometry& geometry) {
+  const std::string space = header.get_lower("space");
+  if (space != "left-anterior-superior" && space != "las") return;
+  const auto steps = vectors(header.get("space directions"));
+  const auto origin = vectors(header.get("space origin"));
+  for (std::size_t row = 0; row < 3; ++row) {
+    const double sign = row == 1 ? -1 : 1;
+    if (origin.size() == 1) geometry.origin[row] = sign * origin[0][row];
+    for (std::size_t axis = 0; axis < 3 && steps.size() == 3; ++axis) {
+      const auto& [x, y, z] = steps[axis];
+      geometry.direction[3 * row + axis] = sign * steps[axis][row] / std::hypot(x, y, z);
+    }
+  }
+}
+
   layout.type = itk_pixel_type(path, *io);
   volume.geometry = itk_geometry(path, *io);
   layout.count = voxel_count(path, volume.geometry);
@@ -85,3 +115,4 @@ Volume open_nrrd(const std::string& path) {
 }
 
 }  // namespace vasamesh
+  place_las(header, volume.geometry);
