@@ -90,7 +90,9 @@ TEST_F(BadVolume, NoSuchFileUnknownFormatEmptyOrGarbage) {
   }
   expect_bad(write("bad.nii", "short"), "no NIfTI file", "check its format");
   expect_bad(write("bad.nii", std::string(500, 'x')), "no NIfTI file", "check its format");
-  expect_bad(write("bad.nii.gz", std::string(500, 'x')), "corrupt", "whole copy");
+  expect_bad(write("bad.nii.gz", std::string(500, 'x')), "not gzip-compressed", "whole copy");
+  expect_bad(write("bad.nii.gz", nifti_file(header_, kPixels)), "not gzip-compressed", "rename it");
+  expect_bad(write("bad.nii.gz", "\x1f\x8b" + std::string(500, 'x')), "corrupt", "whole copy");
   expect_bad(write("bad.mha", std::string(500, 'x')), "header does not end", "whole copy");
   expect_bad(write("bad.mha", "NDims = 3\nElementDataFile = LOCAL\n"), "not a 3D volume", "3D");
   expect_bad(write("bad.nrrd", std::string(500, 'x')), "no NRRD file", "check its format");
@@ -243,8 +245,31 @@ TEST_F(BadVolume, UnusualEncodings) {
   std::string list = meta_file(1, 1, 2, "", "a.raw\nb.raw\n");
   list.replace(list.find("LOCAL"), 5, "LIST");
   expect_bad(write("bad.mhd", list), "several files", "one .mha file");
+  list.replace(list.find("LIST"), 4, "LIST 2");
+  expect_bad(write("bad.mhd", list), "several files", "one .mha file");
   header_.sizeof_hdr = 540;
   expect_bad(write_nifti(header_), "NIfTI-2", "NIfTI-1");
+}
+
+TEST_F(BadVolume, DataFilesThatAreMissing) {
+  std::string meta = meta_file(kSide, kSide, kSide, "", "");
+  meta.replace(meta.find("LOCAL"), 5, "bad.raw");
+  expect_bad(write("bad.mhd", meta), "bad.raw: no such file", "check the name");
+  const std::string lines = "encoding: raw\ndata file: bad.raw\n";
+  expect_bad(write("bad.nrrd", nrrd_file(kSide, kSide, kSide, lines, "")), "bad.raw: no such file",
+             "check the name");
+}
+
+TEST_F(BadVolume, NrrdWithoutItsByteOrder) {
+  const auto typed = [](const std::string& type, const std::string& lines) {
+    std::string file = nrrd_file(kSide, kSide, kSide, "encoding: raw\n" + lines, kPixels + kPixels);
+    return file.replace(file.find("uint8"), 5, type);
+  };
+  expect_bad(write("bad.nrrd", typed("short", "")), "byte order", "endian: little");
+  EXPECT_NO_THROW(
+      read_segmentation(write("a.nrrd", typed("short", "endian: little\n")), {.any_label = true}));
+  for (const char* type : {"signed char", "uchar", "uint8_t", "Int8"})
+    EXPECT_NO_THROW(read_segmentation(write("a.nrrd", typed(type, ""))));
 }
 
 TEST_F(BadVolume, SpacingOfEveryBadKind) {
@@ -296,6 +321,11 @@ TEST_F(BadVolume, ShearedDirection) {
 TEST_F(BadVolume, SformAgainstSpacing) {
   header_.srow_z[2] = 1.5f;
   expect_bad(write_nifti(header_), "disagree", "correct its header");
+}
+
+TEST_F(BadVolume, SformThatIsNotFinite) {
+  header_.srow_y[1] = std::numeric_limits<float>::quiet_NaN();
+  expect_bad(write_nifti(header_), "sform is not finite", "correct its header");
 }
 
 TEST_F(BadVolume, OriginThatIsNotFinite) {

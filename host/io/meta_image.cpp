@@ -40,7 +40,7 @@ void check_fields(const std::string& path, const TextHeader& header) {
 
 PixelLayout data_layout(const std::string& path, const TextHeader& header) {
   const std::string name = header.get("ElementDataFile");
-  if (name == "LIST" || name.find('%') != std::string::npos) {
+  if (name == "LIST" || name.starts_with("LIST ") || name.find('%') != std::string::npos) {
     throw_bad_input(path, "its voxels are in several files", "write it as one .mha file");
   }
   if (header.get_lower("BinaryData", "true").starts_with('f')) {

@@ -4,6 +4,7 @@
 #include <nifti1_io.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 
@@ -24,7 +25,16 @@ struct Header {
   bool swapped = false;
 };
 
+void check_compressed(const std::string& path) {
+  std::array<unsigned char, 2> magic{};
+  ByteStream(path, 0, Encoding::raw).read(magic.data(), magic.size());
+  if (magic == std::array<unsigned char, 2>{0x1f, 0x8b}) return;
+  throw_bad_input(path, "it is not gzip-compressed though its name ends in .gz",
+                  "rename it without .gz, or get a whole copy of the file");
+}
+
 Header read_header(const std::string& path, Encoding encoding) {
+  if (encoding == Encoding::deflate) check_compressed(path);
   Header header;
   const std::size_t bytes =
       ByteStream(path, 0, encoding).read(&header.fields, sizeof(header.fields));

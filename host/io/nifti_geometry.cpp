@@ -2,6 +2,7 @@
 
 #include <nifti1_io.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -38,6 +39,12 @@ Transform qform(const nifti_1_header& header) {
   return columns;
 }
 
+bool is_finite(const Transform& transform) {
+  return std::all_of(transform.begin(), transform.end(), [](const Vector& column) {
+    return std::all_of(column.begin(), column.end(), [](double x) { return std::isfinite(x); });
+  });
+}
+
 bool is_sheared(const Transform& transform) {
   for (int a = 0; a < 3; ++a) {
     const int b = (a + 1) % 3;
@@ -70,6 +77,9 @@ Transform choose_transform(const std::string& path, const nifti_1_header& header
   if (prefers_sform(header)) return sform(header);
   if (header.qform_code > 0) return qform(header);
   if (header.sform_code > 0) {
+    if (!is_finite(sform(header))) {
+      throw_bad_input(path, "its sform is not finite", "correct its header");
+    }
     throw_bad_input(path, "its sform is sheared: its axes are not at right angles",
                     "resample the volume on orthogonal axes");
   }

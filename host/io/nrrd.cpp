@@ -55,6 +55,15 @@ void apply_skips(const std::string& path, const TextHeader& header, PixelLayout&
   }
 }
 
+// ITK does not say why it refuses such a header.
+void check_endian(const std::string& path, const TextHeader& header) {
+  const std::string type = header.get_lower("type");
+  if (type.ends_with("char") || type.starts_with("int8") || type.starts_with("uint8")) return;
+  if (!header.get("endian").empty()) return;
+  throw_bad_input(path, "it does not say the byte order of its voxels",
+                  "add the line \"endian: little\" or \"endian: big\" to its header");
+}
+
 PixelLayout data_layout(const std::string& path, const TextHeader& header) {
   PixelLayout layout;
   const std::string name = header.get("data file", header.get("datafile"));
@@ -62,6 +71,7 @@ PixelLayout data_layout(const std::string& path, const TextHeader& header) {
     throw_bad_input(path, "its voxels are in several files", "write it as one .nrrd file");
   }
   layout.file = name.empty() ? path : beside(path, name);
+  file_size(layout.file);  // is it there?
   layout.file_offset = name.empty() ? header.end : 0;
   layout.encoding = data_encoding(path, header);
   const bool big = header.get_lower("endian") == "big";
@@ -69,16 +79,6 @@ PixelLayout data_layout(const std::string& path, const TextHeader& header) {
   return layout;
 }
 
-}  // namespace
-
-Volume open_nrrd(const std::string& path) {
-  const TextHeader header = read_header(path);
-  for (const double spacing : header.numbers("spacings")) check_raw_spacing(path, spacing);
-  PixelLayout layout = data_layout(path, header);
-
-  auto io = itk::NrrdImageIO::New();
-  read_itk_header(path, *io);
-  Volume volume;
 /// The vectors of three numbers among what the field has, "none" for one.
 std::vector<std::array<double, 3>> vectors(const std::string& field) {
   std::vector<std::array<double, 3>> all;
@@ -106,8 +106,20 @@ void place_las(const TextHeader& header, Geometry& geometry) {
   }
 }
 
+}  // namespace
+
+Volume open_nrrd(const std::string& path) {
+  const TextHeader header = read_header(path);
+  for (const double spacing : header.numbers("spacings")) check_raw_spacing(path, spacing);
+  PixelLayout layout = data_layout(path, header);
+  check_endian(path, header);
+
+  auto io = itk::NrrdImageIO::New();
+  read_itk_header(path, *io);
+  Volume volume;
   layout.type = itk_pixel_type(path, *io);
   volume.geometry = itk_geometry(path, *io);
+  place_las(header, volume.geometry);
   layout.count = voxel_count(path, volume.geometry);
   apply_skips(path, header, layout);
   volume.pixels = make_file_pixels(path, layout);
@@ -115,4 +127,3 @@ void place_las(const TextHeader& header, Geometry& geometry) {
 }
 
 }  // namespace vasamesh
-  place_las(header, volume.geometry);
