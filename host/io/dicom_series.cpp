@@ -10,8 +10,11 @@
 #include <itkGDCMSeriesFileNames.h>
 
 #include <array>
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <cstddef>
+#include <cstdlib>
 #include <vector>
 
 #include "io/io_error.h"
@@ -147,13 +150,23 @@ void check_same_plane(const std::string& folder, const Geometry& first, const Ge
                   "keep one series in the folder");
 }
 
-void check_step(const std::string& file, double step, double mean) {
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// \param steps  from each slice to the next; steps[i] leads to files[i + 1].
+void check_steps(const std::vector<std::string>& files, const std::vector<double>& steps) {
   constexpr double kTolerance = 0.1;
-  if (std::abs(step - mean) <= kTolerance * std::abs(mean)) return;
-  throw_bad_input(file,
-                  fmt::format("this slice is {:.6g} mm from the one before, others {:.6g} mm",
-                              std::abs(step), std::abs(mean)),
-                  "give every slice once");
+  const double usual = median(steps);
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    if (std::abs(steps[i] - usual) <= kTolerance * std::abs(usual)) continue;
+    throw_bad_input(files[i + 1],
+                    fmt::format("this slice is {:.6g} mm from the one before, others {:.6g} mm",
+                                std::abs(steps[i]), std::abs(usual)),
+                    "give every slice once");
+  }
 }
 
 /// Sizes, spacing and direction of the stack of slices.
@@ -166,14 +179,12 @@ Geometry stack_geometry(const std::string& folder, const std::vector<std::string
     check_same_plane(folder, stack, slice);
     positions.push_back(slice.origin);
   }
-  const auto count = static_cast<double>(files.size());
-  const Vector way = difference(positions.back(), positions.front());
-  const double mean = dot(way, normal) / (count - 1);
+  std::vector<double> steps;
   for (std::size_t i = 1; i < files.size(); ++i) {
-    check_step(files[i], dot(difference(positions[i], positions[i - 1]), normal), mean);
+    steps.push_back(dot(difference(positions[i], positions[i - 1]), normal));
   }
   stack.size[2] = static_cast<std::int64_t>(files.size());
-  stack.spacing[2] = std::abs(mean);
+  stack.spacing[2] = std::abs(dot(way, normal)) / static_cast<double>(steps.size());
   const double length = std::sqrt(dot(way, way));
   set_slice_axis({way[0] / length, way[1] / length, way[2] / length}, stack);
   return stack;
@@ -183,6 +194,8 @@ Volume open_series(const std::string& folder) {
   const std::vector<std::string> files = series_files(folder);
   Volume volume;
   volume.geometry =
+  check_steps(files, steps);
+  const Vector way = difference(positions.back(), positions.front());
       files.size() == 1 ? slice_geometry(files.front()) : stack_geometry(folder, files);
   const auto pixels = static_cast<std::size_t>(voxel_count(folder, volume.geometry));
   volume.pixels = std::make_unique<DicomPixels>(folder, files, pixels / files.size());
