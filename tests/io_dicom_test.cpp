@@ -64,6 +64,7 @@ itk::MetaDataDictionary slice_tags(const Geometry& geometry, int k, const std::s
   }
   itk::MetaDataDictionary tags;
   itk::EncapsulateMetaData<std::string>(tags, "0008|0060", "CT");
+  itk::EncapsulateMetaData<std::string>(tags, "0018|0050", "2.5");  // thicker than far apart
   itk::EncapsulateMetaData<std::string>(tags, "0020|000d", "1.2.826.0.1.3680043.2.1");
   itk::EncapsulateMetaData<std::string>(tags, "0020|000e", "1.2.826.0.1.3680043.2." + series);
   itk::EncapsulateMetaData<std::string>(tags, "0020|0013", std::to_string(k + 1));
@@ -153,6 +154,7 @@ TEST(Dicom, OneSlice) {
   write_series(scratch / "series", geometry, pixels, "7");
   const Segmentation read = read_segmentation(scratch / "series");
   EXPECT_EQ(read.geometry.size, geometry.size);
+  EXPECT_EQ(read.geometry.spacing[2], 2.5);
   EXPECT_TRUE(std::equal(pixels.begin(), pixels.end(), read.voxels.begin(), read.voxels.end()));
 }
 

@@ -8,13 +8,14 @@
 #include <gdcmReader.h>
 #include <itkGDCMImageIO.h>
 #include <itkGDCMSeriesFileNames.h>
+#include <itkMetaDataObject.h>
 
-#include <array>
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <filesystem>
 #include <cstddef>
 #include <cstdlib>
+#include <filesystem>
 #include <vector>
 
 #include "io/io_error.h"
@@ -132,11 +133,21 @@ class DicomPixels final : public PixelSource {
   std::size_t file_pixels_;
 };
 
+/// What the slice says of itself; 0: nothing.
+double slice_thickness(const itk::GDCMImageIO& io) {
+  std::string text;
+  itk::ExposeMetaData<std::string>(io.GetMetaDataDictionary(), "0018|0050", text);
+  return std::strtod(text.c_str(), nullptr);
+}
+
 Geometry slice_geometry(const std::string& file) {
   auto io = itk::GDCMImageIO::New();
   read_itk_header(file, *io);
   itk_pixel_type(file, *io);
-  return itk_geometry(file, *io);
+  Geometry geometry = itk_geometry(file, *io);
+  const double thickness = slice_thickness(*io);
+  if (geometry.size[2] == 1 && thickness > 0) geometry.spacing[2] = thickness;
+  return geometry;
 }
 
 void check_same_plane(const std::string& folder, const Geometry& first, const Geometry& slice) {
@@ -183,6 +194,8 @@ Geometry stack_geometry(const std::string& folder, const std::vector<std::string
   for (std::size_t i = 1; i < files.size(); ++i) {
     steps.push_back(dot(difference(positions[i], positions[i - 1]), normal));
   }
+  check_steps(files, steps);
+  const Vector way = difference(positions.back(), positions.front());
   stack.size[2] = static_cast<std::int64_t>(files.size());
   stack.spacing[2] = std::abs(dot(way, normal)) / static_cast<double>(steps.size());
   const double length = std::sqrt(dot(way, way));
@@ -194,8 +207,6 @@ Volume open_series(const std::string& folder) {
   const std::vector<std::string> files = series_files(folder);
   Volume volume;
   volume.geometry =
-  check_steps(files, steps);
-  const Vector way = difference(positions.back(), positions.front());
       files.size() == 1 ? slice_geometry(files.front()) : stack_geometry(folder, files);
   const auto pixels = static_cast<std::size_t>(voxel_count(folder, volume.geometry));
   volume.pixels = std::make_unique<DicomPixels>(folder, files, pixels / files.size());
