@@ -192,6 +192,19 @@ TEST_F(Convert, OutputsMustNotReplaceInputsOrEachOther) {
   EXPECT_EQ(read_text(volume_), bytes);
 }
 
+TEST_F(Convert, OutputsMustNotReplaceVoxelsInAFileOfTheirOwn) {
+  write_text(folder_ / "a.raw", std::string("\0\1\1\0", 4));
+  write_text(folder_ / "a.mhd",
+             "NDims = 3\nDimSize = 2 2 1\nElementType = MET_UCHAR\nElementDataFile = a.raw\n");
+  write_text(folder_ / "a.nrrd",
+             "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 2 1\nencoding: raw\n"
+             "data file: a.raw\n\n");
+  for (const char* name : {"a.mhd", "a.nrrd"})
+    expect_not_distinct(
+        {"convert", folder_ / name, "-o", folder_ / "a.ply", "--report", folder_ / "a.raw"},
+        "--report");
+}
+
 TEST_F(Convert, OutputsMustNotLieInAFolderOfSlices) {
   std::filesystem::create_directory(folder_ / "series");
   write_text(folder_ / "series/1.dcm", "a slice");

@@ -99,6 +99,7 @@ void check_request(const CheckRequest& request) {
   check_output_path(request.map);
   check_distinct({{"SURFACE", request.surface},
                   {"--against", request.volume},
+                  {"the voxels of --against", voxel_file(request.volume)},
                   {"--reference", request.reference}},
                  {{"--map", request.map}});
 }

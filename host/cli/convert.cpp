@@ -23,7 +23,7 @@ void check_request(const ConvertRequest& request) {
   validate(request.parameters);
   check_output_path(request.output);
   if (!request.report.empty()) check_writable(request.report);
-  check_distinct({{"IN", request.input}},
+  check_distinct({{"IN", request.input}, {"the voxels of IN", voxel_file(request.input)}},
                  {{"--output", request.output}, {"--report", request.report}});
 }
 

@@ -66,12 +66,20 @@ void apply_header_size(const TextHeader& header, PixelLayout& layout) {
                                      : std::max(layout.file_offset, file_size(layout.file) - bytes);
 }
 
+TextHeader read_header(const std::string& path) {
+  return read_text_header(path, "=", [](const std::string& key, const std::string&) {
+    return key == "ElementDataFile";
+  });
+}
+
 }  // namespace
 
+std::string meta_voxel_file(const std::string& path) {
+  return data_layout(path, read_header(path)).file;
+}
+
 Volume open_meta(const std::string& path) {
-  const TextHeader header = read_text_header(
-      path, "=",
-      [](const std::string& key, const std::string&) { return key == "ElementDataFile"; });
+  const TextHeader header = read_header(path);
   check_fields(path, header);
   PixelLayout layout = data_layout(path, header);
 

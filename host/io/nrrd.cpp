@@ -108,6 +108,10 @@ void place_las(const TextHeader& header, Geometry& geometry) {
 
 }  // namespace
 
+std::string nrrd_voxel_file(const std::string& path) {
+  return data_layout(path, read_header(path)).file;
+}
+
 Volume open_nrrd(const std::string& path) {
   const TextHeader header = read_header(path);
   for (const double spacing : header.numbers("spacings")) check_raw_spacing(path, spacing);

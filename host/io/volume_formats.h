@@ -15,4 +15,8 @@ Volume open_meta(const std::string& path);   ///< .mha, .mhd
 Volume open_nrrd(const std::string& path);   ///< .nrrd
 Volume open_dicom_series(const std::string& folder);
 
+/// The file with the voxels, which may be `path`. \throws Error bad_input, as opening does.
+std::string meta_voxel_file(const std::string& path);
+std::string nrrd_voxel_file(const std::string& path);
+
 }  // namespace vasamesh

@@ -109,6 +109,19 @@ auto guarded(const std::string& path, const Work& work) {
 
 }  // namespace
 
+std::string voxel_file(const std::string& path) {
+  try {
+    file_size(path);
+    const std::string ending = file_ending(path, {".mha", ".mhd", ".nrrd"});
+    const std::string file = ending.empty()      ? path
+                             : ending == ".nrrd" ? nrrd_voxel_file(path)
+                                                 : meta_voxel_file(path);
+    return file == path ? "" : file;
+  } catch (const Error&) {
+    return {};  // reading will say what is wrong
+  }
+}
+
 PackedSegmentation read_packed(const std::string& path, const ReadOptions& options) {
   return guarded(path, [&] { return read(path, options, VoxelFormat::bits); });
 }

@@ -61,6 +61,9 @@ Segmentation read_segmentation(const std::string& path, const ReadOptions& optio
 /// The same, in an eighth of the memory: no more than the bits and some chunks of the file is held.
 PackedSegmentation read_packed(const std::string& path, const ReadOptions& options = {});
 
+/// The file that a MetaImage or NRRD header names for its voxels; empty where there is none.
+std::string voxel_file(const std::string& path);
+
 /// Writes a segmentation as uint8, compressed where the format can: .nii, .nii.gz, .mha, .nrrd.
 /// The file appears under its name only when it is complete.
 ///
