@@ -101,6 +101,10 @@ Solid examined(const VolumeView& volume, const Parameters& parameters, Scheduler
   if (parameters.min_component > 1)
     drop_small_components(host, object, volume.geometry.size, parameters.connectivity,
                           parameters.min_component, solid);
+  if (solid.findings.object_voxels == 0 && solid.findings.dropped.count > 0)
+    throw Error(ErrorCode::bad_input, "all pieces have fewer voxels than --min-component, " +
+                                          std::to_string(parameters.min_component) +
+                                          ": ask for less");
   if (solid.findings.object_voxels == 0)
     throw Error(ErrorCode::bad_input,
                 "nothing is in the foreground: give a segmentation with object voxels");

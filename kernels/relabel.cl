@@ -188,10 +188,9 @@ static RelabelTaps relabel_taps(int at, bool smooth) {
 }
 
 /// The occupancy minus one half at a node: its zero set lies on the voxels' faces where they are
-/// flat; kept on the side of the solid's label when `keep`.
-static float relabel_solid_field(global const int *near, global const uchar *state, bool solid,
-                                 int x, int y, int z, bool smooth, bool keep) {
-  const float least = 0.03f;
+/// flat.
+static float relabel_occupancy(global const int *near, global const uchar *state, bool solid, int x,
+                               int y, int z, bool smooth) {
   const RelabelTaps tx = relabel_taps(x, smooth), ty = relabel_taps(y, smooth),
                     tz = relabel_taps(z, smooth);
   float sum = 0;
@@ -203,10 +202,19 @@ static float relabel_solid_field(global const int *near, global const uchar *sta
         const bool object = voxel == NO_NODE ? solid : (state[voxel] & LATTICE_SOLID) != 0;
         if (object) sum += tx.weight[i] * (ty.weight[j] * tz.weight[k]);
       }
-  const float field = sum - 0.5f;
+  return sum - 0.5f;
+}
+
+/// The occupancy, smooth or not; when `keep`, on the side of the solid's label, and the sharp one
+/// for solid nodes that the smooth one would lose.
+static float relabel_solid_field(global const int *near, global const uchar *state, bool solid,
+                                 int x, int y, int z, bool smooth, bool keep) {
+  const float least = 0.03f;
+  float field = relabel_occupancy(near, state, solid, x, y, z, smooth);
   if (!keep) return field;
-  if (solid) return field < least ? least : field;
-  return -least < field ? -least : field;
+  if (!solid) return -least < field ? -least : field;
+  if (smooth && field < least) field = relabel_occupancy(near, state, solid, x, y, z, false);
+  return field < least ? least : field;
 }
 
 #define RELABEL_SPAN 24  // nodes of three bricks

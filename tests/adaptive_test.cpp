@@ -249,6 +249,28 @@ TEST(Adaptive, CancelledInEachOfItsStages) {
   }
 }
 
+/// Two voxels that touch at a corner or an edge, which does not join them, keep about the size that
+/// marching cubes gives them: a sixth of a voxel each.
+TEST(Adaptive, PiecesThatTouchKeepTheirSize) {
+  for (const std::array<int, 3>& second : {std::array{4, 4, 4}, std::array{4, 4, 3}})
+    for (const Connectivity connectivity : {Connectivity::face, Connectivity::edge}) {
+      const bool over_edge = second[2] == 3;
+      if (over_edge && connectivity == Connectivity::edge) continue;  // joined
+      for (const SurfaceKind surface : {SurfaceKind::adaptive, SurfaceKind::base}) {
+        DenseVolume volume({8, 8, 8});
+        volume.box({3, 3, 3}, {3, 3, 3}).box(second, second);
+        Context context = make_threads(2);
+        Parameters parameters;
+        parameters.connectivity = connectivity;
+        parameters.surface = surface;
+        const Report report = convert(volume.view(), parameters, context).report;
+        EXPECT_EQ(report.check.topology.pieces, 2);
+        EXPECT_GT(report.quality.volume, 0.15);
+        EXPECT_LT(report.quality.volume, 0.7);
+      }
+    }
+}
+
 TEST(Adaptive, ImpossibleNumbersOfTrianglesAreRefusedWithAPossibleOne) {
   const Phantom phantom = make_phantom("y_branch");
   for (const auto& [triangles, side] :

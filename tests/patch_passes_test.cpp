@@ -211,6 +211,34 @@ TEST_F(PatchPasses, AMoveIntoAnotherSheetIsRefused) {
   EXPECT_EQ(patch.points[0].position.z, 8.05f);
 }
 
+TEST_F(PatchPasses, AMoveIntoAMuchLargerTriangleIsRefused) {
+  // Small wheels in a row, and one triangle that hangs over all of them.
+  std::vector<Vec3> places;
+  std::vector<std::uint32_t> corners;
+  for (std::uint32_t wheel = 0; wheel < 12; ++wheel) {
+    const Vec3 hub = {4 + 0.2f * static_cast<float>(wheel), 8, 8};
+    places.push_back(hub);
+    for (std::uint32_t i = 0; i < 6; ++i) {
+      const double angle = M_PI * i / 3;
+      places.push_back(hub + 0.05f * Vec3{static_cast<float>(std::cos(angle)),
+                                          static_cast<float>(std::sin(angle)), 0});
+      corners.insert(corners.end(), {7 * wheel, 7 * wheel + 1 + i, 7 * wheel + 1 + (i + 1) % 6});
+    }
+  }
+  const auto first = static_cast<std::uint32_t>(places.size());
+  places.insert(places.end(), {{0, 2, 8.1f}, {14, 2, 8.1f}, {7, 20, 8.1f}});
+  corners.insert(corners.end(), {first, first + 1, first + 2});
+  PatchMesh patch = flat_patch(places, corners, 1);
+  Clearance clearance(patch);
+  for (std::uint32_t hub = 0; hub < first; hub += 7) {
+    SurfacePoint up = patch.points[hub];
+    up.position.z = 8.2f;
+    EXPECT_FALSE(clearance.move_if_clear(patch, hub, up)) << hub;
+    up.position.z = 8.05f;
+    EXPECT_TRUE(clearance.move_if_clear(patch, hub, up)) << hub;
+  }
+}
+
 /// A polyhedron of equal triangles with its vertices on a sphere about (8, 8, 8).
 PatchMesh ball(const TriangleMesh& mesh, float size) {
   std::vector<SurfacePoint> points;

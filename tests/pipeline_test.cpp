@@ -131,6 +131,8 @@ TEST(PipelineParameters, SmallPiecesAreDroppedAndReported) {
     convert(volume.view(), with(&Parameters::min_component, std::int64_t{1000}), context());
   });
   EXPECT_EQ(error.code(), ErrorCode::bad_input);
+  EXPECT_NE(std::string(error.what()).find("--min-component, 1000"), std::string::npos)
+      << error.what();
 }
 
 TEST(PipelineParameters, ClosedHandlesAreTakenOffTheTopologyWanted) {

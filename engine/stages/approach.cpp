@@ -18,7 +18,6 @@ namespace vasamesh {
 
 namespace {
 
-constexpr float kBlock = 32;  // voxel lengths
 constexpr int kRounds = 6, kReturns = 2;
 constexpr int kCarefulRounds = 3, kCarefulReturns = 1;  // without angles below 20 degrees
 constexpr float kAim = 0.93f;  // of the farthest distance: where a move is to end
@@ -249,7 +248,7 @@ TriangleMesh approach(Backend& backend, const FieldView& field, const SizeView& 
     const Places places = places_of(far);
     const RemeshGoal goal = {field, sizes, &places, true};
     WorkingSurface surface = make_working_surface(backend, goal, mesh);
-    for_each_block(backend, {kBlock, 0.15f * static_cast<float>(round)}, surface,
+    for_each_block(backend, {block_side(sizes), 0.15f * static_cast<float>(round)}, surface,
                    [&](PatchMesh& part) {
                      const std::vector<FarPoint> own = points_of(far, part);
                      if (own.empty()) return;
@@ -312,7 +311,7 @@ TriangleMesh bring_back(Backend& backend, const FieldView& field, const SizeView
     places = places_of(strays);
     const RemeshGoal goal = {field, sizes, &places, true};
     WorkingSurface surface = make_working_surface(backend, goal, mesh);
-    for_each_block(backend, {kBlock, 0.3f * static_cast<float>(round)}, surface,
+    for_each_block(backend, {block_side(sizes), 0.3f * static_cast<float>(round)}, surface,
                    [&](PatchMesh& part) {
                      const Extent extent(part);
                      std::optional<Approach> work;

@@ -9,7 +9,6 @@ namespace vasamesh {
 
 namespace {
 
-constexpr float kBlock = 32;  // voxel lengths
 constexpr int kRounds = 3;
 constexpr int kFitRounds = 2;
 constexpr int kLastRounds = 4;  // that may follow where triangles with small angles are left
@@ -33,11 +32,12 @@ bool any_poor(const WorkingSurface& surface) {
 
 void finish(Backend& backend, const RemeshGoal& goal, WorkingSurface& surface) {
   Relaxer relaxer(backend, goal);
+  const float side = block_side(goal.sizes);
   const auto repair_all = [&](std::span<PatchMesh* const> parts, float wanted, int passes) {
     for_each_part(backend, parts, [&](PatchMesh& part) { repair(part, goal, wanted, passes); });
   };
   for (int round = 0; round < kRounds; ++round) {
-    SurfaceBlocks blocks(backend, {kBlock, 0.1f + 0.25f * static_cast<float>(round)}, surface);
+    SurfaceBlocks blocks(backend, {side, 0.1f + 0.25f * static_cast<float>(round)}, surface);
     const std::vector<PatchMesh*> parts = blocks.parts();
     const bool is_last = round == kRounds - 1;
     for_each_part(backend, parts, [](PatchMesh& part) { flip_to_valence(part, 3); });
@@ -48,7 +48,7 @@ void finish(Backend& backend, const RemeshGoal& goal, WorkingSurface& surface) {
     blocks.join();
   }
   for (int round = 0; round < kLastRounds && any_poor(surface); ++round) {
-    SurfaceBlocks blocks(backend, {kBlock, 0.23f * static_cast<float>(round)}, surface);
+    SurfaceBlocks blocks(backend, {side, 0.23f * static_cast<float>(round)}, surface);
     std::vector<PatchMesh*> parts = blocks.parts();
     std::erase_if(parts, [](const PatchMesh* part) { return !any_poor(*part); });
     for_each_part(backend, parts, [](PatchMesh& part) { flip_to_angle(part, 3); });
@@ -58,7 +58,7 @@ void finish(Backend& backend, const RemeshGoal& goal, WorkingSurface& surface) {
     blocks.join();
   }
   for (int round = 0; round < kFitRounds; ++round) {
-    SurfaceBlocks blocks(backend, {kBlock, 0.1f + 0.4f * static_cast<float>(round)}, surface);
+    SurfaceBlocks blocks(backend, {side, 0.1f + 0.4f * static_cast<float>(round)}, surface);
     const std::vector<PatchMesh*> parts = blocks.parts();
     relaxer.fit(parts, 4);
     blocks.join();

@@ -7,6 +7,7 @@
 /// what they are; the grid moves from pass to pass, so that each vertex is inside in most of them.
 /// The result depends on the surface and the grid alone.
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <span>
@@ -15,6 +16,7 @@
 #include "backend/backend.h"
 #include "stages/patch_mesh.h"
 #include "stages/patch_passes.h"
+#include "types/sizes.h"
 #include "vasamesh/types.h"
 
 namespace vasamesh {
@@ -33,6 +35,12 @@ struct BlockGrid {
   float side = 16;  ///< voxel lengths
   float shift = 0;  ///< of the grid along each axis, as a part of the side, 0 to 1
 };
+
+/// The side of the blocks of most passes, voxel lengths: some twenty of the longest edges that are
+/// asked for, so that parts have some thousand triangles.
+inline float block_side(const SizeView& sizes) {
+  return std::clamp(20 * sizes.elsewhere, 4.0f, 32.0f);
+}
 
 /// Calls work(part) for the part in each cell, in parallel, and joins what it leaves.
 void for_each_block(Backend& backend, const BlockGrid& grid, WorkingSurface& surface,

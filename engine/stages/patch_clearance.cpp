@@ -11,6 +11,7 @@ namespace {
 
 constexpr float kSide = 4;        // of a cell, in mean half sides of a triangle's box
 constexpr float kSlack = 1.001f;  // for the rounding of middles
+constexpr std::uint32_t kAmongLarge = PatchMesh::kNone - 1;  // no slot: in the list of large ones
 
 const Vec3& place(const PatchMesh& mesh, std::uint32_t v) { return mesh.points[v].position; }
 
@@ -82,24 +83,24 @@ void Clearance::take_up(const PatchMesh& mesh, std::uint32_t h) {
   if (index >= faces_.size()) faces_.resize(mesh.half_edge_end() / 4);
   Face& face = faces_[index];
   face.box = box;
-  reach_ = std::max(reach_, kSlack * box.half_side());
+  const bool large = box.half_side() * inverse_side_ > 1;
   const Vec3 middle = box.middle();
-  const std::uint32_t slot = slot_of(cell_of(middle.x), cell_of(middle.y), cell_of(middle.z));
+  const std::uint32_t slot =
+      large ? kAmongLarge : slot_of(cell_of(middle.x), cell_of(middle.y), cell_of(middle.z));
+  if (!large) reach_ = std::max(reach_, kSlack * box.half_side());
   if (face.slot == slot) return;
   face.slot = slot;
+  if (large) return large_.push_back(index);
   entries_.push_back({index, head_[slot]});
   head_[slot] = static_cast<std::uint32_t>(entries_.size() - 1);
 }
 
-/// The triangles of a slot, not seen before, whose boxes meet another.
-void Clearance::collect(const PatchMesh& mesh, std::uint32_t slot, const Box& around) {
-  for (std::uint32_t e = head_[slot]; e != PatchMesh::kNone; e = entries_[e].next) {
-    const std::uint32_t index = entries_[e].face;
-    Face& face = faces_[index];
-    if (face.seen == stamp_ || !face.box.meets(around)) continue;
-    face.seen = stamp_;
-    if (mesh.is_edge(4 * index)) candidates_.push_back({corners_of(mesh, index), face.box});
-  }
+/// Takes a triangle as a candidate that was not seen before and whose box meets another.
+void Clearance::consider(const PatchMesh& mesh, std::uint32_t index, const Box& around) {
+  Face& face = faces_[index];
+  if (face.seen == stamp_ || !face.box.meets(around)) return;
+  face.seen = stamp_;
+  if (mesh.is_edge(4 * index)) candidates_.push_back({corners_of(mesh, index), face.box});
 }
 
 /// The triangles of the part, but those of the half-edges `gone`, whose boxes meet another.
@@ -113,7 +114,9 @@ void Clearance::find_candidates(const PatchMesh& mesh, std::span<const std::uint
   for (std::uint32_t z = cell_of(low.z); z <= cell_of(high.z); ++z)
     for (std::uint32_t y = cell_of(low.y); y <= cell_of(high.y); ++y)
       for (std::uint32_t x = cell_of(low.x); x <= cell_of(high.x); ++x)
-        collect(mesh, slot_of(x, y, z), around);
+        for (std::uint32_t e = head_[slot_of(x, y, z)]; e != PatchMesh::kNone; e = entries_[e].next)
+          consider(mesh, entries_[e].face, around);
+  for (const std::uint32_t index : large_) consider(mesh, index, around);
 }
 
 bool Clearance::is_clear(const PatchMesh& mesh, std::span<const std::uint32_t> gone,

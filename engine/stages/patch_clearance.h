@@ -2,8 +2,9 @@
 
 /// \file
 /// Whether triangles that an operation would make run into others of the part: a hashed grid of
-/// its triangles' middles finds the candidates, exact predicates decide (stages/intersect.h). And
-/// whether they would turn a small shell inside out (stages/small_shells.h).
+/// its triangles' middles finds the candidates (few large ones are always looked at), exact
+/// predicates decide (stages/intersect.h). And whether they would turn a small shell inside out
+/// (stages/small_shells.h).
 ///
 /// Teschner, Heidelberger, Mueller, Pomerantes, Gross: Optimized spatial hashing for collision
 /// detection of deformable objects, 2003.
@@ -74,7 +75,7 @@ class Clearance {
   /// A triangle of the part (first half-edge / 4), as it was taken up.
   struct Face {
     Box box;
-    std::uint32_t slot = PatchMesh::kNone;  ///< where it was entered last
+    std::uint32_t slot = PatchMesh::kNone;  ///< where it was entered last, or with the large ones
     std::uint32_t seen = 0;                 ///< the stamp of its last visit
   };
   struct Candidate {
@@ -86,13 +87,14 @@ class Clearance {
   std::uint32_t cell_of(float x) const;
   void find_candidates(const PatchMesh& mesh, std::span<const std::uint32_t> gone,
                        const Box& around);
-  void collect(const PatchMesh& mesh, std::uint32_t slot, const Box& around);
+  void consider(const PatchMesh& mesh, std::uint32_t index, const Box& around);
 
   SmallShells shells_;
   float inverse_side_ = 1;           ///< of a cell, in voxel lengths
-  float reach_ = 0;                  ///< no box taken up has a longer half side
+  float reach_ = 0;                  ///< no box in a slot has a longer half side
   std::vector<std::uint32_t> head_;  ///< a slot of the table: its first entry or kNone
   std::vector<Entry> entries_;
+  std::vector<std::uint32_t> large_;  ///< the triangles larger than a cell, in no slot
   std::vector<Face> faces_;
   std::uint32_t stamp_ = 0;
   std::vector<Candidate> candidates_;

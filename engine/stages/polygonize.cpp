@@ -39,7 +39,7 @@ constexpr float kFactors[] = {0.7f, 0.5f, 0.35f, 0};  // of the edges in a place
 constexpr float kPlace = 2.5f;                        // longest edges: a place's radius,
 constexpr float kWidePlace = 4;  // voxel lengths: or one edge where that would be more than this
 constexpr float kMargin = 1.2f;  // longest edges: the front's room
-constexpr float kLeastEdge = 0.05f, kLongestEdge = 100;  // voxel lengths
+constexpr float kLeastEdge = 0.1f, kLongestEdge = 100;  // voxel lengths
 
 SizeRule rule_of(const EdgeLengths& edges) {
   constexpr double kTwoPi = 6.283185307179586;

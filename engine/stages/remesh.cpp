@@ -15,7 +15,7 @@ namespace vasamesh {
 
 namespace {
 
-constexpr float kFineBlock = 16, kBlock = 32;  // voxel lengths
+constexpr float kFineBlock = 16;  // voxel lengths
 constexpr int kRounds = 5;
 constexpr int kPlaceRounds = 2;
 constexpr int kRepairedRounds = 2;  // the last ones
@@ -28,7 +28,8 @@ void run_rounds(Backend& backend, const RemeshGoal& goal, int rounds, int repair
                 WorkingSurface& surface) {
   Relaxer relaxer(backend, goal);
   for (int round = 0; round < rounds; ++round) {
-    SurfaceBlocks blocks(backend, {kBlock, 0.2f * static_cast<float>(round)}, surface);
+    SurfaceBlocks blocks(backend, {block_side(goal.sizes), 0.2f * static_cast<float>(round)},
+                         surface);
     const std::vector<PatchMesh*> parts = blocks.parts();
     for_each_part(backend, parts, [&](PatchMesh& part) {
       split_long_edges(part, goal, kLongest);

@@ -37,9 +37,9 @@ constexpr float kFactors[] = {0.8f, 0.55f, 0.7f,  1,    0.8f, 0.6f, 0.35f, 0.6f,
 constexpr std::size_t kChain = 3, kHalf = 12;  // tries
 constexpr float kPart[] = {1, 0.6f};           // of the place's radius, half by half
 constexpr int kAgain = 2;  // that a try is brought near again: one move may leave other points far
-constexpr std::size_t kTogether = 8;  // places that are mended at the same time
-constexpr float kMending = 2;         // voxel lengths round a triangle of poor shape
-constexpr float kBlock = 32;          // voxel lengths
+constexpr std::size_t kSolidShare = 4;  // triangles of marching cubes that are as much work as one
+constexpr std::size_t kTogether = 8;    // places that are mended at the same time
+constexpr float kMending = 2;           // voxel lengths round a triangle of poor shape
 constexpr int kMendingRounds = 2, kEveningPasses = 4, kWideningPasses = 12;
 constexpr float kGrowth[] = {1, 1.35f, 1.7f, 2.2f};
 
@@ -191,8 +191,8 @@ class Settling {
     const RemeshGoal goal = {field_, sizes_, &places, true};
     WorkingSurface surface = make_working_surface(backend_, goal, mesh);
     for (int round = 0; round < kMendingRounds; ++round)
-      for_each_block(backend_, {kBlock, 0.1f + 0.5f * static_cast<float>(round)}, surface,
-                     [](PatchMesh& part) {
+      for_each_block(backend_, {block_side(sizes_), 0.1f + 0.5f * static_cast<float>(round)},
+                     surface, [](PatchMesh& part) {
                        even_edges(part, kEveningPasses);
                        widen_angles(part, kWideningPasses);
                      });
@@ -265,7 +265,7 @@ class Settling {
           places_at(faults.within(spots), kPart[i / kHalf] * cut.place.radius, kFactors[i]);
       if (places.empty() && i % kChain == 0) break;
       if (places.empty()) continue;
-      cut.work += mesh.triangle_count();
+      cut.work += std::max(mesh.triangle_count(), cut.solid.triangle_count() / kSolidShare);
       if (cut.work >= most) break;
       faults = remake(places, cut.solid, reached, mesh);
       if (faults.counts() >= cut.faults.counts()) continue;

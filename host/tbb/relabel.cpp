@@ -131,9 +131,8 @@ struct SolidField {
 
 /// The occupancy minus one half at a node: its zero set lies on the voxels' faces where they are
 /// flat.
-float solid_field(const std::int32_t* near, const std::uint8_t* state, std::size_t node, int x,
-                  int y, int z, const SolidField& field) {
-  constexpr float kLeast = 0.03f;
+float occupancy(const std::int32_t* near, const std::uint8_t* state, std::size_t node, int x, int y,
+                int z, bool smooth) {
   struct Tap {
     int offset;
     float weight;
@@ -142,7 +141,7 @@ float solid_field(const std::int32_t* near, const std::uint8_t* state, std::size
   constexpr Tap kTaps[3][3] = {{{-1, 0.5f}, {1, 0.5f}, {0, 0.0f}},
                                {{0, 1.0f}, {0, 0.0f}, {0, 0.0f}},
                                {{-2, 0.125f}, {0, 0.75f}, {2, 0.125f}}};
-  const auto taps = [&](int at) { return kTaps[at & 1 ? (field.smooth ? 2 : 1) : 0]; };
+  const auto taps = [&](int at) { return kTaps[at & 1 ? (smooth ? 2 : 1) : 0]; };
   const bool solid = (state[node] & kSolid) != 0;
   const Tap *tx = taps(x), *ty = taps(y), *tz = taps(z);
   float sum = 0;
@@ -156,8 +155,19 @@ float solid_field(const std::int32_t* near, const std::uint8_t* state, std::size
         const bool object = voxel == kNoNode ? solid : (state[voxel] & kSolid) != 0;
         if (object) sum += weight;
       }
-  if (!field.keep_label) return sum - 0.5f;
-  return solid ? std::max(sum - 0.5f, kLeast) : std::min(sum - 0.5f, -kLeast);
+  return sum - 0.5f;
+}
+
+/// The occupancy, smooth or not; where the label is kept, the sharp one for solid nodes that the
+/// smooth one would lose.
+float solid_field(const std::int32_t* near, const std::uint8_t* state, std::size_t node, int x,
+                  int y, int z, const SolidField& field) {
+  constexpr float kLeast = 0.03f;
+  const float value = occupancy(near, state, node, x, y, z, field.smooth);
+  if (!field.keep_label) return value;
+  if (!(state[node] & kSolid)) return std::min(value, -kLeast);
+  if (value >= kLeast || !field.smooth) return std::max(value, kLeast);
+  return std::max(occupancy(near, state, node, x, y, z, false), kLeast);
 }
 
 }  // namespace
