@@ -205,16 +205,22 @@ TEST_F(Convert, OutputsMustNotReplaceVoxelsInAFileOfTheirOwn) {
         "--report");
 }
 
-TEST_F(Convert, OutputsMustNotLieInAFolderOfSlices) {
+TEST_F(Convert, OutputsMustNotReplaceSlices) {
   std::filesystem::create_directory(folder_ / "series");
   write_text(folder_ / "series/1.dcm", "a slice");
-  std::filesystem::create_hard_link(folder_ / "series/1.dcm", folder_ / "hard.ply");
-  for (const char* name : {"series/1.dcm", "series/new.json", "hard.ply"})
-    expect_not_distinct(
-        {"convert", folder_ / "series", "-o", folder_ / "a.ply", "--report", folder_ / name},
-        "--report");
-  expect_not_distinct({"convert", folder_ / "series/", "-o", folder_ / "hard.ply"}, "--output");
-  EXPECT_EQ(read_text(folder_ / "hard.ply"), "a slice");
+  write_text(folder_ / "series/old.json", "{}");
+  std::filesystem::create_symlink("series/1.dcm", folder_ / "link.ply");
+  std::filesystem::create_hard_link(folder_ / "series/1.dcm", folder_ / "hard.dcm");
+  const auto with_report = [&](const char* name) {
+    return Arguments{"convert",         folder_ / "series", "-o",
+                     folder_ / "a.ply", "--report",         folder_ / name};
+  };
+  for (const char* name : {"series/1.dcm", "link.ply", "hard.dcm"})
+    expect_not_distinct(with_report(name), "--report");
+  expect_not_distinct({"convert", folder_ / "series/", "-o", folder_ / "link.ply"}, "--output");
+  EXPECT_EQ(read_text(folder_ / "series/1.dcm"), "a slice");
+  for (const char* name : {"series/new.json", "series/old.json"})  // as far as the bad slice
+    EXPECT_EQ(run_program(command(with_report(name))).code, 3) << name;
 }
 
 TEST(Check, AMapMustNotReplaceWhatIsChecked) {

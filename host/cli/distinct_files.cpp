@@ -5,6 +5,7 @@
 #include <system_error>
 
 #include "io/atomic_file.h"
+#include "io/file_ending.h"
 #include "vasamesh/errors.h"
 
 namespace vasamesh::cli {
@@ -27,10 +28,13 @@ bool is_same_file(const std::string& a, const std::string& b) {
   return fs::equivalent(a, b, error) || resolved(a) == resolved(b);
 }
 
-/// Whether `path` lies in `folder`, or is one of its files under another name.
-bool is_in_folder(const std::string& path, const std::string& folder) {
+/// Whether `path` is a file of `folder`, also under another name, that may be one of its slices:
+/// any but what an earlier run has left there.
+bool may_be_slice(const std::string& path, const std::string& folder) {
   std::error_code error;
-  if (!fs::is_directory(folder, error)) return false;
+  if (!fs::is_directory(folder, error) || !fs::exists(path, error)) return false;
+  if (!file_ending(resolved(path).string(), {".vtp", ".stl", ".ply", ".obj", ".json"}).empty())
+    return false;
   if (resolved(path).parent_path() == resolved(folder)) return true;
   const fs::directory_iterator entries(folder, error);
   return !error && std::any_of(begin(entries), end(entries), [&](const fs::directory_entry& entry) {
@@ -51,9 +55,9 @@ void check_distinct(const std::vector<NamedFile>& inputs, const std::vector<Name
     for (const NamedFile& input : inputs) {
       if (input.path.empty()) continue;
       if (is_same_file(output->path, input.path)) throw_same(*output, input);
-      if (is_in_folder(output->path, input.path))
-        throw Error(ErrorCode::usage, output->name + " names a file in the folder " + input.name +
-                                          ": give it another folder");
+      if (may_be_slice(output->path, input.path))
+        throw Error(ErrorCode::usage, output->name + " names a file of the folder " + input.name +
+                                          ": give it another name");
     }
     for (auto other = outputs.begin(); other != output; ++other)
       if (!other->path.empty() && is_same_file(output->path, other->path))

@@ -15,8 +15,8 @@ struct NamedFile {
 };
 
 /// Links and other spellings of a path are seen through.
-/// \throws Error usage, when an output is an input or lies in an input's folder, or two outputs are
-///         one.
+/// \throws Error usage, when an output is an input, or a file of an input's folder that may be a
+///         slice, or two outputs are one.
 void check_distinct(const std::vector<NamedFile>& inputs, const std::vector<NamedFile>& outputs);
 
 }  // namespace vasamesh::cli
