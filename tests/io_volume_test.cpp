@@ -247,8 +247,9 @@ TEST(MetaAndNrrd, BigEndian) {
   std::string nrrd = nrrd_file(3, 2, 1, "encoding: raw\nendian: big\n", pixels);
   nrrd.replace(nrrd.find("uint8"), 5, "uint16");
   write_text(scratch / "a.nrrd", nrrd);
+  write_text(scratch / "b.nrrd", nrrd.replace(nrrd.find("endian"), 6, "Endian"));
   const std::vector<std::uint8_t> wanted{1, 0, 1, 0, 0, 0};
-  for (const char* name : {"a.mha", "a.nrrd"}) {
+  for (const char* name : {"a.mha", "a.nrrd", "b.nrrd"}) {
     EXPECT_EQ(read_segmentation(scratch / name, {.label = 1}).voxels, wanted) << name;
   }
 }

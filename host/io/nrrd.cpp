@@ -7,6 +7,8 @@
 #include <bit>
 #include <cmath>
 #include <cstdio>
+#include <map>
+#include <utility>
 
 #include "io/io_error.h"
 #include "io/itk_header.h"
@@ -22,8 +24,12 @@ TextHeader read_header(const std::string& path) {
   if (std::string(magic, 4) != "NRRD") {
     throw_bad_input(path, "it is no NRRD file", "check its format");
   }
-  return read_text_header(path, ":",
-                          [](const std::string&, const std::string& line) { return line.empty(); });
+  TextHeader header = read_text_header(
+      path, ":", [](const std::string&, const std::string& line) { return line.empty(); });
+  std::map<std::string, std::string> fields;  // whose names are alike in both cases
+  for (auto& [name, value] : header.fields) fields.emplace(lower_case(name), std::move(value));
+  header.fields = std::move(fields);
+  return header;
 }
 
 Encoding data_encoding(const std::string& path, const TextHeader& header) {

@@ -28,11 +28,14 @@ std::string TextHeader::get(const std::string& key, const std::string& otherwise
   return field == fields.end() ? otherwise : field->second;
 }
 
-std::string TextHeader::get_lower(const std::string& key, const std::string& otherwise) const {
-  std::string value = get(key, otherwise);
-  std::transform(value.begin(), value.end(), value.begin(),
+std::string lower_case(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return value;
+  return text;
+}
+
+std::string TextHeader::get_lower(const std::string& key, const std::string& otherwise) const {
+  return lower_case(get(key, otherwise));
 }
 
 std::vector<double> TextHeader::numbers(const std::string& key) const {
