@@ -72,11 +72,9 @@ struct LayerTable {
   int z_min = 0;
 };
 
-/// Appends the bricks of one layer, `dz` from the given one's, on the sides of its set octants, and
-/// itself.
-void add_reached(const BrickCoord& brick, std::uint8_t octants, int dz,
-                 std::vector<BrickCoord>& found) {
-  std::uint32_t reached = 0;  // bit brick_neighbour(dx, dy, dz)
+/// A brick and those on the sides of its set octants: bit brick_neighbour(dx, dy, dz).
+std::uint32_t reached_by(std::uint8_t octants) {
+  std::uint32_t reached = 0;
   for (int octant = 0; octant < 8; ++octant) {
     if (!(octants >> octant & 1)) continue;
     for (int side = 0; side < 8; ++side) {
@@ -86,6 +84,12 @@ void add_reached(const BrickCoord& brick, std::uint8_t octants, int dz,
       reached |= 1u << brick_neighbour(step(0), step(1), step(2));
     }
   }
+  return reached;
+}
+
+/// Appends those that a brick reaches in the layer `dz` from its own.
+void add_reached(const BrickCoord& brick, std::uint32_t reached, int dz,
+                 std::vector<BrickCoord>& found) {
   for (int dy = -1; dy <= 1; ++dy)
     for (int dx = -1; dx <= 1; ++dx)
       if (reached >> brick_neighbour(dx, dy, dz) & 1)
@@ -142,12 +146,14 @@ Bricks make_bricks(Backend& backend, std::span<const BrickCoord> coords) {
 std::vector<BrickCoord> dilate_by_octants(Backend& backend, std::span<const BrickCoord> coords,
                                           std::span<const std::uint8_t> octants) {
   const LayerTable layers(coords);
+  std::vector<std::uint32_t> reached(coords.size());
+  std::transform(octants.begin(), octants.end(), reached.begin(), reached_by);
   std::vector<std::vector<BrickCoord>> dilated(layers.count() + 2);  // and one on either side
   backend.run(dilated.size(), [&](std::size_t layer) {
     std::vector<BrickCoord>& found = dilated[layer];
     const int z = layers.z_min + static_cast<int>(layer) - 1;
     for (const int dz : {-1, 0, 1})
-      for (const std::uint32_t i : layers.at(z - dz)) add_reached(coords[i], octants[i], dz, found);
+      for (const std::uint32_t i : layers.at(z - dz)) add_reached(coords[i], reached[i], dz, found);
     sort_unique(found);
   });
   std::vector<BrickCoord> all;

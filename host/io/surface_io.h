@@ -47,8 +47,8 @@ void write_surface_map(const std::string& path, const TriangleMesh& mesh, Space 
                        const std::atomic<bool>* cancel = nullptr);
 
 /// What write_surface would refuse, found before any work is done.
-/// \throws Error usage (unknown ending), refused (folder missing or not writable; a folder, device or
-///         pipe of that name).
+/// \throws Error usage (unknown ending), refused (folder missing or not writable; a folder, device
+///         or pipe of that name).
 void check_output_path(const std::string& path);
 
 /// "lps", "ras" or "voxel".

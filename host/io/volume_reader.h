@@ -74,8 +74,7 @@ void write_segmentation(const std::string& path, const Segmentation& segmentatio
 
 /// What write_segmentation would refuse, found before any work is done.
 /// \throws Error usage (unknown ending), refused (folder missing or not writable; a folder, device
-/// or
-///         pipe of that name).
+///         or pipe of that name).
 void check_volume_path(const std::string& path);
 
 }  // namespace vasamesh
