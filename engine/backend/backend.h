@@ -244,8 +244,8 @@ class Backend : public Memory {
                                      const PointView& points, View<const float> coefficients,
                                      View<float> values) = 0;
 
-  /// numerator = sum of weight B value, denominator = sum of weight B over the points, B the level's
-  /// own quadratic B-spline round each cell.
+  /// numerator = sum of weight B value, denominator = sum of weight B over the points, B the
+  /// level's own quadratic B-spline round each cell.
   virtual void isovalue_splat(const LevelView& level, const PointIndex& index,
                               const PointView& points, View<const float> weights,
                               View<const float> values, View<float> numerator,
@@ -319,9 +319,9 @@ class Backend : public Memory {
   /// Leads the values near marked nodes back to the solid's: value = (1 - d) value + d g,
   /// d = strength (1 - distance^2 / radius^2)^2 to the nearest mark, g from the occupancy round the
   /// node (its quadratic B-spline when `smooth`, else linear), kept on the side of the solid's
-  /// label where a kStuckMark is within the radius: there the linear one serves solid nodes that the
-  /// B-spline would lose. `radius` in nodes, at most 8. changed[b]: the octants of brick b (bits as
-  /// above) with a node within the radius of a mark.
+  /// label where a kStuckMark is within the radius: there the linear one serves solid nodes that
+  /// the B-spline would lose. `radius` in nodes, at most 8. changed[b]: the octants of brick b
+  /// (bits as above) with a node within the radius of a mark.
   virtual void lattice_blend(const BrickView& bricks, View<const std::uint8_t> marks, float radius,
                              float strength, bool smooth, View<const std::uint8_t> state,
                              View<float> values, View<std::uint8_t> changed) = 0;
