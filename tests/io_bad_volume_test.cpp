@@ -272,6 +272,19 @@ TEST_F(BadVolume, NrrdWithoutItsByteOrder) {
     EXPECT_NO_THROW(read_segmentation(write("a.nrrd", typed(type, ""))));
 }
 
+TEST_F(BadVolume, NrrdInUnitsThatAreUnknownOrMixed) {
+  const auto file = [&](const std::string& units) {
+    return write("bad.nrrd", nrrd_file(kSide, kSide, kSide, "encoding: raw\n" + units, kPixels));
+  };
+  const std::string space =
+      "space: left-posterior-superior\nspace directions: (1,0,0) (0,1,0) (0,0,1)\nspace units: ";
+  expect_bad(file(space + "\"inch\" \"inch\" \"inch\"\n"), "unit of length is \"inch\"",
+             "space units");
+  expect_bad(file(space + "\"mm\" \"mm\" \"um\"\n"), "\"mm\" and \"um\"", "in one unit");
+  expect_bad(file("spacings: 1 1 1\nunits: \"um\" \"um\" \"\"\n"), "\"um\" and \"\"",
+             "in one unit");
+}
+
 TEST_F(BadVolume, SpacingOfEveryBadKind) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double infinite = std::numeric_limits<double>::infinity();

@@ -304,6 +304,33 @@ TEST(MetaAndNrrd, ThePlaceInEverySpaceOfNrrd) {
   }
 }
 
+// ITK 5.2 takes every length for mm.
+TEST(MetaAndNrrd, UnitsOfNrrdBecomeMillimetres) {
+  const Scratch scratch;
+  const std::pair<const char*, double> units[] = {
+      {"um", 1e-3},    {"\xc2\xb5m", 1e-3}, {"\xce\xbcm", 1e-3},
+      {"\xb5m", 1e-3}, {"microns", 1e-3},   {"MM", 1},
+      {"", 1},         {"cm", 10},          {"m", 1e3}};
+  for (const auto& [unit, in_mm] : units) {
+    SCOPED_TRACE(unit);
+    std::ostringstream three;
+    for (int axis = 0; axis < 3; ++axis) three << std::quoted(unit) << " ";
+    const Geometry wanted{{3, 4, 5},
+                          {2 * in_mm, 3 * in_mm, 4 * in_mm},
+                          {10 * in_mm, 20 * in_mm, 30 * in_mm},
+                          {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+    const std::string of_space =
+        "encoding: raw\nspace: left-posterior-superior\nspace directions: (2,0,0) (0,3,0) "
+        "(0,0,4)\nspace origin: (10,20,30)\nspace units: " +
+        three.str() + "\n";
+    write_text(scratch / "a.nrrd", nrrd_file(3, 4, 5, of_space, std::string(60, '\1')));
+    expect_near(read_segmentation(scratch / "a.nrrd").geometry, wanted);
+    const std::string of_axes = "encoding: raw\nspacings: 2 3 4\nunits: " + three.str() + "\n";
+    write_text(scratch / "b.nrrd", nrrd_file(3, 4, 5, of_axes, std::string(60, '\1')));
+    EXPECT_NEAR(read_segmentation(scratch / "b.nrrd").geometry.spacing[2], 4 * in_mm, 1e-9);
+  }
+}
+
 TEST(Shapes, OneSliceTwoAxesAndTrailingAxes) {
   const Scratch scratch;
   nifti_1_header header = nifti_header(3, 2, 1);
