@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "support/scratch.h"
@@ -274,12 +275,22 @@ TEST(Closing, TheProofSaysWhatWasClosed) {
 
 TEST_F(Convert, TheSameBytesWithAnyNumberOfThreads) {
   std::vector<std::string> surfaces;
-  for (const char* threads : {"1", "2", "4"}) {
+  for (const char* threads : {"1", "2", "4", "4096"}) {
     run({"convert", volume_, "-o", folder_ / "torus.ply", "--threads", threads});
     surfaces.push_back(read_text(folder_ / "torus.ply"));
   }
   EXPECT_FALSE(surfaces[0].empty());
-  EXPECT_TRUE(surfaces[0] == surfaces[1] && surfaces[0] == surfaces[2]);
+  for (const std::string& surface : surfaces) EXPECT_TRUE(surface == surfaces[0]);
+}
+
+TEST_F(Convert, StartsAtMostFourThreadsForEachProcessor) {
+  const int most = 4 * static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  for (const int asked : {most - 1, most, most + 1, 4096}) {
+    run({"convert", volume_, "-o", folder_ / "torus.ply", "--backend", "tbb", "--report",
+         folder_ / "torus.json", "--threads", std::to_string(asked)});
+    const json stages = json::parse(read_text(folder_ / "torus.json"))["stages"];
+    EXPECT_EQ(stages[1]["device"], "CPU, " + std::to_string(std::min(asked, most)) + " threads");
+  }
 }
 
 TEST_F(Convert, TheBackendAskedForRunsAndGivesTheSameBytes) {

@@ -72,7 +72,7 @@ void add_selection(CLI::App* app, ReadOptions& read) {
 }
 
 void add_threads(CLI::App* app, int& threads) {
-  app->add_option("--threads", threads, "Threads; 0: as many as the machine has")
+  app->add_option("--threads", threads, "Threads, four for each processor at most; 0: one for each")
       ->check(CLI::Range(0, 4096))
       ->capture_default_str();
 }

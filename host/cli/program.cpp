@@ -13,6 +13,7 @@
 
 #include "cli/commands.h"
 #include "cli/options.h"
+#include "tbb/backend.h"
 #include "vasamesh/errors.h"
 #include "vasamesh/version.h"
 
@@ -80,7 +81,7 @@ std::optional<tbb::global_control> limit_threads(int threads) {
   if (threads <= 0) return std::nullopt;
   return std::optional<tbb::global_control>(std::in_place,
                                             tbb::global_control::max_allowed_parallelism,
-                                            static_cast<std::size_t>(threads));
+                                            static_cast<std::size_t>(capped_threads(threads)));
 }
 
 }  // namespace

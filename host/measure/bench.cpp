@@ -8,6 +8,7 @@
 
 #include "backend/backend.h"
 #include "measure/machine.h"
+#include "tbb/backend.h"
 #include "vasamesh/errors.h"
 #include "vasamesh/pipeline.h"
 #ifdef VASAMESH_WITH_OPENCL
@@ -196,7 +197,7 @@ std::vector<BenchWay> bench_ways(const std::vector<std::string>& backends,
   std::vector<BenchWay> ways;
   if (asked("tbb"))
     for (const int n : threads.empty() ? usual_threads() : threads)
-      ways.push_back(tbb_way(devices[0], n));
+      ways.push_back(tbb_way(devices[0], capped_threads(n)));
   if (!asked("opencl")) return ways;
   for (const DeviceInfo& info : devices)
     if (info.backend == "opencl" && (device.empty() || device == std::to_string(info.number)))

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <new>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "tbb/tbb_backend.h"
@@ -27,6 +28,12 @@ constexpr std::size_t kCopyBytes = std::size_t{1} << 20;  // that a task of a co
 
 }  // namespace
 
+int capped_threads(int asked) {
+  constexpr int kPerProcessor = 4;
+  const int processors = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  return std::min(asked, kPerProcessor * processors);
+}
+
 std::shared_ptr<Backend> make_tbb_backend(int threads, void* task_arena,
                                           std::shared_ptr<ByteAccount> total) {
   return std::make_shared<TbbBackend>(threads, task_arena, std::move(total));
@@ -35,8 +42,8 @@ std::shared_ptr<Backend> make_tbb_backend(int threads, void* task_arena,
 TbbBackend::TbbBackend(int threads, void* task_arena, std::shared_ptr<ByteAccount> total)
     : arena_(static_cast<tbb::task_arena*>(task_arena)), account_(std::move(total)) {
   if (arena_) return;
-  own_arena_ =
-      std::make_unique<tbb::task_arena>(threads > 0 ? threads : int{tbb::task_arena::automatic});
+  own_arena_ = std::make_unique<tbb::task_arena>(threads > 0 ? capped_threads(threads)
+                                                             : int{tbb::task_arena::automatic});
   arena_ = own_arena_.get();
 }
 

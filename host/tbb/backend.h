@@ -11,7 +11,11 @@
 
 namespace vasamesh {
 
-/// \param threads  workers; 0 for the machine's. Ignored with an arena.
+/// How many threads are started where `asked` are wanted: at most four for each processor, since
+/// more would only wait for each other.
+int capped_threads(int asked);
+
+/// \param threads  workers, capped; 0 for the machine's. Ignored with an arena.
 /// \param task_arena  a tbb::task_arena of the caller's, or null.
 /// \param total  shared with other backends, or null.
 std::shared_ptr<Backend> make_tbb_backend(int threads, void* task_arena,

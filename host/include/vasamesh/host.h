@@ -31,7 +31,8 @@ struct ContextOptions {
   /// A number, a type (the first of it) or a part of one name; empty: what the environment variable
   /// VASAMESH_DEVICE says, else the first of the backend. "auto" is oneTBB unless a device is named.
   std::string device;
-  int threads = 0;                ///< of the oneTBB backend; 0: the machine's
+  int threads = 0;                ///< of the oneTBB backend, four for each processor at most are
+                                  ///< started; 0: the machine's
   void* task_arena = nullptr;     ///< a tbb::task_arena of the caller's to run in; threads ignored
 };
 
