@@ -228,6 +228,7 @@ Result Converter::convert(const VolumeView& volume, const Parameters& parameters
 
 Result convert(const VolumeView& volume, const Parameters& parameters, Context& context) {
   validate(parameters);
+  check_resolution(volume.geometry, parameters.space);
   Scheduler scheduler(context, static_cast<std::size_t>(parameters.max_memory));
   try {
     return run_pipeline(volume, parameters, scheduler);

@@ -56,6 +56,8 @@ void make_inputs(const Scratch& folder) {
   write_text(folder / "huge.nrrd", nrrd("uchar", voxels(Bytes{1}), "100000 100000 100000"));
   write_text(folder / "short.nrrd", nrrd("uchar", "only this"));
   write_text(folder / "flat.nrrd", nrrd("uchar", voxels(Bytes{1}), "4 4 4", "1 0 1"));
+  write_text(folder / "far.nrrd",
+             nrrd("uchar", voxels(Bytes{1}), "4 4 4", "1 1 1\naxis mins: 1e7 0 0"));
   write_text(folder / "noise.nii.gz", "this is not a compressed volume");
   write_text(folder / "text.txt", "hello");
   std::filesystem::create_directory(folder / "folder");
@@ -236,6 +238,7 @@ const Fault kBadInput[] = {
     {"huge", convert("@huge.nrrd"), 3, {"huge.nrrd"}},
     {"too_short", convert("@short.nrrd"), 3, {"short.nrrd"}},
     {"zero_spacing", convert("@flat.nrrd"), 3, {"flat.nrrd", "spacing"}},
+    {"far_origin", convert("@far.nrrd"), 3, {"10000004 mm", "--space voxel", "its origin"}},
     {"check_missing", {"check", "@missing.stl"}, 3, {"missing.stl"}},
     {"check_indices", {"check", "@range.obj"}, 3, {"range.obj"}},
     {"check_volume", {"check", "@tetra.obj", "--against", "@empty.nrrd"}, 3, {"empty.nrrd"}},

@@ -242,6 +242,25 @@ TEST(PipelineSpace, RasIsAChangeOfSign) {
     ASSERT_EQ(ras.mesh.vertices[i], (i % 3 < 2 ? -1 : 1) * lps.mesh.vertices[i]) << i;
 }
 
+TEST(PipelineSpace, AnOriginTooFarForFloat32IsRefused) {
+  const Phantom phantom = y_branch();
+  VolumeView volume = phantom.view();
+  volume.geometry.spacing = {1, 1, 1};
+  volume.geometry.origin = {0, 524000, 0};  // steps of 1/32 mm, from 524288 on of 1/16
+  EXPECT_NO_THROW(convert(volume, {}, context()));
+  for (const std::array<double, 3>& origin :
+       {std::array<double, 3>{0, 524288, 0}, {-1e7, 0, 0}, {0, 0, 1e39}}) {
+    volume.geometry.origin = origin;
+    for (const Space space : {Space::lps, Space::ras}) {
+      const Error error =
+          error_of([&] { convert(volume, with(&Parameters::space, space), context()); });
+      EXPECT_EQ(error.code(), ErrorCode::bad_input);
+      EXPECT_NE(std::string(error.what()).find("--space voxel"), std::string::npos);
+    }
+    EXPECT_NO_THROW(convert(volume, with(&Parameters::space, Space::voxel), context()));
+  }
+}
+
 /// What progress told: (phase, fraction) in order, without what it told again.
 using Told = std::vector<std::pair<std::string, double>>;
 

@@ -48,8 +48,8 @@ struct Result {
 /// topology.
 ///
 /// \throws Error usage (a parameter out of its range), bad_input (nothing in the foreground, an
-///         unusable geometry), failed_check (a surface that could not be proven), refused (more
-///         memory than allowed), cancelled.
+///         unusable geometry, an origin too far out for float32), failed_check (a surface that
+///         could not be proven), refused (more memory than allowed), cancelled.
 Result convert(const VolumeView& volume, const Parameters& parameters, Context& context);
 
 /// As convert(), for many volumes: keeps its buffers from one call to the next.
