@@ -1,5 +1,7 @@
 #include "vasamesh/parameters.h"
 
+#include <array>
+#include <charconv>
 #include <cmath>
 #include <string>
 
@@ -9,8 +11,15 @@ namespace vasamesh {
 
 namespace {
 
-[[noreturn]] void out_of_range(const char* field, const std::string& range) {
-  throw Error(ErrorCode::usage, std::string(field) + " is out of its range: give " + range);
+[[noreturn]] void out_of_range(const char* option, const std::string& range) {
+  throw Error(ErrorCode::usage, std::string(option) + " is out of its range: give " + range);
+}
+
+/// The value in as few digits as tell it, and whether nobody chose it.
+std::string number(double value, double standard) {
+  std::array<char, 32> text;
+  char* const end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
+  return std::string(text.data(), end) + (value == standard ? " (the default)" : "");
 }
 
 bool within(double value, double least, double most) {
@@ -19,20 +28,24 @@ bool within(double value, double least, double most) {
 
 void validate(const EdgeLengths& e) {
   constexpr double kLeast = 1e-3;
-  if (!within(e.rho, kLeast, 2)) out_of_range("rho", "above 0 to 2");
+  if (!within(e.rho, kLeast, 2)) out_of_range("--rho", "above 0 to 2");
   if (e.edges_around != 0 && !within(e.edges_around, 4, 100))
-    out_of_range("edges around", "4 to 100 (0: by rho)");
+    out_of_range("--edges-around", "4 to 100 (0: by rho)");
   if (e.chord_error != 0 && !within(e.chord_error, kLeast, 1))
-    out_of_range("chord error", "above 0 to 1 voxel (0: by rho)");
-  if (e.triangles < 0) out_of_range("triangles", "how many are wanted (0: by rho)");
-  if (!within(e.edge_min, kLeast, 100)) out_of_range("edge min", "above 0 to 100 voxels");
-  if (!within(e.edge_max, kLeast, 100)) out_of_range("edge max", "above 0 to 100 voxels");
+    out_of_range("--chord-error", "above 0 to 1 voxel (0: by rho)");
+  if (e.triangles < 0) out_of_range("--triangles", "how many are wanted (0: by rho)");
+  if (!within(e.edge_min, kLeast, 100)) out_of_range("--edge-min", "above 0 to 100 voxels");
+  if (!within(e.edge_max, kLeast, 100)) out_of_range("--edge-max", "above 0 to 100 voxels");
   if (e.edge_min > e.edge_max)
-    throw Error(ErrorCode::usage, "edge min is above edge max: lower the one or raise the other");
-  if (!within(e.gradation, 0.01, 2)) out_of_range("gradation", "0.01 to 2");
+    throw Error(ErrorCode::usage, "--edge-min " + number(e.edge_min, EdgeLengths{}.edge_min) +
+                                      " is above --edge-max " +
+                                      number(e.edge_max, EdgeLengths{}.edge_max) +
+                                      ": lower the one or raise the other");
+  if (!within(e.gradation, 0.01, 2)) out_of_range("--gradation", "0.01 to 2");
   if ((e.edges_around != 0) + (e.chord_error != 0) + (e.triangles != 0) > 1)
-    throw Error(ErrorCode::usage,
-                "edges around, chord error and triangles exclude each other: give one of them");
+    throw Error(
+        ErrorCode::usage,
+        "--edges-around, --chord-error and --triangles exclude each other: give one of them");
 }
 
 }  // namespace
@@ -56,14 +69,14 @@ void set_preset(const std::string& name, Parameters& p) {
 
 void validate(const Parameters& p) {
   validate(p.edges);
-  if (p.neighbours < 3 || p.neighbours > 64) out_of_range("neighbours", "3 to 64");
-  if (p.depth < 0 || p.depth > 24) out_of_range("depth", "0 (automatic) to 24");
+  if (p.neighbours < 3 || p.neighbours > 64) out_of_range("--neighbours", "3 to 64");
+  if (p.depth < 0 || p.depth > 24) out_of_range("--depth", "0 (automatic) to 24");
   if (!std::isfinite(p.kernel_width) || p.kernel_width < 0.5 || p.kernel_width > 4)
-    out_of_range("kernel width", "0.5 to 4 voxels");
-  if (p.min_component < 0) out_of_range("min component", "0 (keep all) or more voxels");
-  if (p.max_memory < 0) out_of_range("max memory", "0 (no limit) or more bytes");
+    out_of_range("--kernel-width", "0.5 to 4 voxels");
+  if (p.min_component < 0) out_of_range("--min-component", "0 (keep all) or more voxels");
+  if (p.max_memory < 0) out_of_range("--max-memory", "0 (no limit) or more bytes");
   const int c = static_cast<int>(p.connectivity);
-  if (c != 6 && c != 18 && c != 26) out_of_range("connectivity", "6, 18 or 26");
+  if (c != 6 && c != 18 && c != 26) out_of_range("--connectivity", "6, 18 or 26");
 }
 
 }  // namespace vasamesh

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 #include <string>
 
@@ -57,15 +58,15 @@ TEST_P(EdgeRange, ItsLimitsAreAcceptedAndNothingBeyond) {
 INSTANTIATE_TEST_SUITE_P(
     All, EdgeRange,
     ::testing::Values(
-        Range{"rho", &EdgeLengths::rho, {0.001, 2}, {0, -1, 2.01, kNaN, kInfinity}},
-        Range{"edges around", &EdgeLengths::edges_around, {0, 4, 100}, {3.99, 100.1, -6, kNaN}},
-        Range{"chord error", &EdgeLengths::chord_error, {0, 0.001, 1}, {1.01, -0.1, kNaN}},
-        Range{"edge min", &EdgeLengths::edge_min, {0.001, 100}, {0, -1, 101, kNaN}},
-        Range{"edge max", &EdgeLengths::edge_max, {0.001, 100}, {0, -1, 101, kInfinity}},
-        Range{"gradation", &EdgeLengths::gradation, {0.01, 2}, {0, 2.1, -1, kNaN}}),
+        Range{"--rho", &EdgeLengths::rho, {0.001, 2}, {0, -1, 2.01, kNaN, kInfinity}},
+        Range{"--edges-around", &EdgeLengths::edges_around, {0, 4, 100}, {3.99, 100.1, -6, kNaN}},
+        Range{"--chord-error", &EdgeLengths::chord_error, {0, 0.001, 1}, {1.01, -0.1, kNaN}},
+        Range{"--edge-min", &EdgeLengths::edge_min, {0.001, 100}, {0, -1, 101, kNaN}},
+        Range{"--edge-max", &EdgeLengths::edge_max, {0.001, 100}, {0, -1, 101, kInfinity}},
+        Range{"--gradation", &EdgeLengths::gradation, {0.01, 2}, {0, 2.1, -1, kNaN}}),
     [](const auto& param_info) {
       std::string name = param_info.param.name;
-      for (char& c : name) c = c == ' ' ? '_' : c;
+      name.erase(std::remove(name.begin(), name.end(), '-'), name.end());
       return name;
     });
 
@@ -74,7 +75,7 @@ TEST(Parameters, TheirDefaultsAreValid) { EXPECT_NO_THROW(validate(Parameters{})
 TEST(Parameters, TrianglesAreNotNegative) {
   Parameters parameters;
   parameters.edges.triangles = -1;
-  expect_refused(parameters, "triangles");
+  expect_refused(parameters, "--triangles");
 }
 
 TEST(Parameters, ShortestAboveLongestIsRefused) {
@@ -82,7 +83,9 @@ TEST(Parameters, ShortestAboveLongestIsRefused) {
   parameters.edges.edge_min = parameters.edges.edge_max = 3;
   EXPECT_NO_THROW(validate(parameters));
   parameters.edges.edge_max = 2.9;
-  expect_refused(parameters, "edge min is above edge max");
+  expect_refused(parameters, "--edge-min 3 is above --edge-max 2.9: lower");
+  parameters.edges.edge_max = EdgeLengths{}.edge_max;
+  expect_refused(parameters, "--edge-min 3 is above --edge-max 1.6 (the default): lower");
 }
 
 TEST(Parameters, OneWordForTheEdgeLengthAtMost) {

@@ -72,14 +72,14 @@ Parameters with(T Parameters::*field, T value) {
 
 TEST(PipelineParameters, OutOfRangeIsNamed) {
   for (const int neighbours : {2, 65, -1})
-    expect_refused(with(&Parameters::neighbours, neighbours), "neighbours");
-  for (const int depth : {-1, 25}) expect_refused(with(&Parameters::depth, depth), "depth");
+    expect_refused(with(&Parameters::neighbours, neighbours), "--neighbours");
+  for (const int depth : {-1, 25}) expect_refused(with(&Parameters::depth, depth), "--depth");
   for (const double width : {0.49, 4.01, -1.0, std::numeric_limits<double>::quiet_NaN(),
                              std::numeric_limits<double>::infinity()})
-    expect_refused(with(&Parameters::kernel_width, width), "kernel width");
-  expect_refused(with(&Parameters::min_component, std::int64_t{-1}), "min component");
-  expect_refused(with(&Parameters::max_memory, std::int64_t{-1}), "max memory");
-  expect_refused(with(&Parameters::connectivity, static_cast<Connectivity>(8)), "connectivity");
+    expect_refused(with(&Parameters::kernel_width, width), "--kernel-width");
+  expect_refused(with(&Parameters::min_component, std::int64_t{-1}), "--min-component");
+  expect_refused(with(&Parameters::max_memory, std::int64_t{-1}), "--max-memory");
+  expect_refused(with(&Parameters::connectivity, static_cast<Connectivity>(8)), "--connectivity");
 }
 
 TEST(PipelineParameters, LimitsOfRangesAreAccepted) {

@@ -77,7 +77,7 @@ bool is_root(const std::vector<BrickCoord>& coords) {
 void require_depth(const Parameters& parameters, int regular_depth) {
   if (parameters.depth == 0) return;
   if (parameters.depth >= regular_depth - 2 && parameters.depth <= regular_depth + 1) return;
-  throw Error(ErrorCode::usage, "depth is out of its range for this volume: give " +
+  throw Error(ErrorCode::usage, "--depth is out of its range for this volume: give " +
                                     std::to_string(regular_depth - 2) + " to " +
                                     std::to_string(regular_depth + 1) + " (one cell a voxel is " +
                                     std::to_string(regular_depth) + "), or 0 for automatic");

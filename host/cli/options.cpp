@@ -57,6 +57,11 @@ void set_label(const std::string& text, ReadOptions& read) {
   }
   std::int64_t label = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), label);
+  if (error == std::errc::result_out_of_range)
+    throw CLI::ValidationError("--label",
+                               fmt::format("give a whole number of {} up to {}, not {}",
+                                           std::numeric_limits<std::int64_t>::min(),
+                                           std::numeric_limits<std::int64_t>::max(), text));
   if (error != std::errc() || end != text.data() + text.size())
     throw CLI::ValidationError("--label", "give a whole number or 'any', not '" + text + "'");
   read.label = label;
@@ -110,6 +115,31 @@ void add_edge_lengths(CLI::App* app, Parameters& p) {
       p.surface, "The fine lattice's triangles, or such as follow the curvature", "adaptive");
 }
 
+/// The base surface has no edge lengths to choose and no gaps: what asks for them is refused.
+void refuse_beside_base(CLI::App* app, const Parameters& p) {
+  app->callback([app, &p] {
+    if (p.surface != SurfaceKind::base) return;
+    for (const char* name : {"--preset", "--rho", "--edges-around", "--chord-error", "--triangles",
+                             "--edge-min", "--edge-max", "--gradation", "--stitch"})
+      if (app->count(name) > 0)
+        throw CLI::ValidationError(name,
+                                   "the base surface has no edge lengths to choose and no gaps; "
+                                   "leave the option or --surface base out");
+  });
+}
+
+/// Turns bytes with a unit into a number; CLI11's own message lists every unit that it knows.
+CLI::Validator bytes_with_unit() {
+  const auto convert = [](std::string& text) -> std::string {
+    try {
+      return CLI::AsSizeValue(false)(text);
+    } catch (const CLI::ValidationError&) {
+      return "give bytes, as 500M or 2G";
+    }
+  };
+  return {convert, "BYTES"};
+}
+
 /// A number of bytes beyond the range arrives as the last one within.
 std::int64_t checked_bytes(std::int64_t bytes) {
   if (bytes == std::numeric_limits<std::int64_t>::max())
@@ -135,13 +165,14 @@ void add_parameters(CLI::App* app, Parameters& p, std::int64_t& read_memory) {
       ->capture_default_str();
   add_space(app, p.space, "Space of the vertices");
   add_edge_lengths(app, p);
+  refuse_beside_base(app, p);
   app->add_option_function<std::int64_t>(
          "--max-memory",
          [&p, &read_memory](std::int64_t bytes) {
            p.max_memory = read_memory = checked_bytes(bytes);
          },
          "Bytes that the work may hold, with K, M or G; 0: no limit")
-      ->transform(CLI::AsSizeValue(false))
+      ->transform(bytes_with_unit())
       ->type_name("BYTES")
       ->default_str("0");
 }
@@ -171,11 +202,14 @@ CLI::App* add_convert(CLI::App& app, ConvertRequest& request) {
 CLI::App* add_check(CLI::App& app, CheckRequest& request) {
   CLI::App* check = app.add_subcommand("check", "Check a surface of any program");
   check->add_option("SURFACE", request.surface, ".vtp, .stl, .ply, .obj or .vtk")->required();
-  check->add_option("--against", request.volume,
-                    "The segmentation: compare the topology, and the distance to marching cubes");
+  CLI::Option* against = check->add_option(
+      "--against", request.volume,
+      "The segmentation: compare the topology, and the distance to marching cubes");
   check->add_option("--reference", request.reference, "Measure the distance to this surface");
   add_selection(check, request.read);
   add_connectivity(check, request.connectivity);
+  for (const char* name : {"--label", "--threshold", "--connectivity"})
+    check->get_option(name)->needs(against);
   add_space(check, request.space, "Space of SURFACE, for --against");
   add_threads(check, request.threads);
   check->add_flag("--json", request.json, "Print JSON");

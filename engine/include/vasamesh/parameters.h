@@ -84,7 +84,8 @@ struct Parameters {
 /// and larger triangles). \throws Error usage for another name.
 void set_preset(const std::string& name, Parameters& parameters);
 
-/// Throws Error(usage), naming the field and its range, when a parameter is outside it.
+/// Throws Error(usage), naming the program's option for the field and its range, when a parameter is
+/// outside it.
 void validate(const Parameters& parameters);
 
 }  // namespace vasamesh
