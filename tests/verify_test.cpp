@@ -84,6 +84,29 @@ TEST(Verify, TellsEachSelfIntersection) {
   }
 }
 
+TEST(Verify, TheReasonCountsOneAsOne) {
+  EXPECT_EQ(check(turned_inside_out(tetrahedron())).reason, "1 shell facing the wrong way");
+  TriangleMesh mesh = tetrahedron();
+  add_triangle(mesh, 0, 0, 1);
+  EXPECT_EQ(check(mesh).reason, "1 degenerate triangle");
+  add_vertex(mesh, {5, 5, 5});
+  add_vertex(mesh, {6, 5, 5});
+  EXPECT_EQ(check(mesh).reason, "2 vertices of no triangle, 1 degenerate triangle");
+}
+
+/// Half inside another, a shell has no way to face.
+TEST(Verify, IntersectingShellsAreNotCalledInverted) {
+  int inverted = 0;
+  for (const float x : {-2.0f, 2.0f}) {
+    const CheckReport report = check(joined(sphere(2, 2), moved(sphere(1, 1), {x, 0, 0})));
+    EXPECT_GT(report.intersecting_pairs, 1);
+    EXPECT_EQ(report.reason,
+              std::to_string(report.intersecting_pairs) + " intersecting pairs of triangles");
+    inverted += report.inverted_shells > 0;
+  }
+  EXPECT_GT(inverted, 0);
+}
+
 /// A fan of more triangles than are searched plainly, whole and then with a gap.
 TEST(Verify, LargeFans) {
   TriangleMesh mesh;

@@ -96,21 +96,25 @@ std::string text(const Topology& t) {
 
 std::string reason_of(const CheckReport& r) {
   std::string reason;
-  const auto add = [&](std::int64_t count, const char* what) {
+  const auto add = [&](std::int64_t count, const char* one, const char* many) {
     if (count == 0) return;
-    reason += (reason.empty() ? "" : ", ") + std::to_string(count) + " " + what;
+    reason +=
+        (reason.empty() ? "" : ", ") + std::to_string(count) + " " + (count == 1 ? one : many);
   };
   if (r.triangles == 0) reason = "no triangles";
-  add(r.nonfinite_vertices, "vertices that are not finite");
-  add(r.open_edges, "open edges");
-  add(r.nonmanifold_edges, "edges of more than two triangles");
-  add(r.misoriented_edges, "edges between triangles of opposite orientation");
-  add(r.nonmanifold_vertices, "vertices of more than one fan");
-  add(r.isolated_vertices, "vertices of no triangle");
-  add(r.degenerate_triangles, "degenerate triangles");
-  add(r.inverted_shells, "shells facing the wrong way");
-  add(r.intersecting_pairs, "intersecting pairs of triangles");
-  add(r.mismatched_pieces, "pieces of another topology than the segmentation's");
+  add(r.nonfinite_vertices, "vertex that is not finite", "vertices that are not finite");
+  add(r.open_edges, "open edge", "open edges");
+  add(r.nonmanifold_edges, "edge of more than two triangles", "edges of more than two triangles");
+  add(r.misoriented_edges, "edge between triangles of opposite orientation",
+      "edges between triangles of opposite orientation");
+  add(r.nonmanifold_vertices, "vertex of more than one fan", "vertices of more than one fan");
+  add(r.isolated_vertices, "vertex of no triangle", "vertices of no triangle");
+  add(r.degenerate_triangles, "degenerate triangle", "degenerate triangles");
+  if (r.intersecting_pairs == 0)  // else a shell may be half inside another
+    add(r.inverted_shells, "shell facing the wrong way", "shells facing the wrong way");
+  add(r.intersecting_pairs, "intersecting pair of triangles", "intersecting pairs of triangles");
+  add(r.mismatched_pieces, "piece of another topology than the segmentation's",
+      "pieces of another topology than the segmentation's");
   if (r.has_wanted && r.topology != r.wanted)
     reason += (reason.empty() ? "" : ", ") + ("pieces/handles/cavities " + text(r.topology)) +
               " instead of " + text(r.wanted);
