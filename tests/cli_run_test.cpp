@@ -129,6 +129,28 @@ TEST_F(Convert, EachSpacePassesItsCheck) {
   }
 }
 
+TEST_F(Convert, TheCheckKnowsTheSpaceThatTheFileIsIn) {
+  for (const char* name : {"torus.vtp", "torus.stl", "torus.ply", "torus.obj"})
+    for (const char* space : {"ras", "voxel"}) {
+      SCOPED_TRACE(std::string(name) + " " + space);
+      const std::string surface = folder_ / name;
+      run({"convert", volume_, "-o", surface, "--space", space, "--surface", "base"});
+      const json report = json::parse(run({"check", surface, "--against", volume_, "--json"}));
+      EXPECT_LT(report["distance"]["to"]["mean_voxels"], 0.27);
+    }
+}
+
+TEST_F(Convert, AnotherSpaceThanTheFilesIsToldOf) {
+  const std::string surface = folder_ / "torus.ply";
+  run({"convert", volume_, "-o", surface, "--space", "voxel"});
+  run({"check", surface, "--against", volume_, "--space", "voxel"});
+  const Outcome outcome =
+      run_program(command({"check", surface, "--against", volume_, "--space", "ras"}));
+  EXPECT_EQ(outcome.err.find("vasamesh: " + surface + " says that it is in voxel, and is taken"),
+            0u)
+      << outcome.err;
+}
+
 TEST_F(Convert, ReportNamesStagesAndTopology) {
   run({"convert", volume_, "-o", folder_ / "torus.vtp", "--report", folder_ / "torus.json"});
   const json report = json::parse(read_text(folder_ / "torus.json"));

@@ -164,7 +164,23 @@ TEST_F(Surfaces, TheSpaceIsInTheFile) {
         reader->GetOutput()->GetFieldData()->GetAbstractArray("SPACE"));
     ASSERT_NE(array, nullptr);
     EXPECT_EQ(const_cast<vtkStringArray*>(array)->GetValue(0), name);
+    for (const char* file : kFormats)
+      EXPECT_EQ(read_placed_surface(scratch_ / file).space, space) << file;
   }
+}
+
+TEST_F(Surfaces, TheSpaceInOtherProgramsFiles) {
+  const std::string facets = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+  const auto space_of = [&](const std::string& head) {
+    return read_placed_surface(write("b.obj", head + facets)).space;
+  };
+  EXPECT_EQ(space_of("# 3D Slicer output. SPACE=RAS\n"), Space::ras);
+  EXPECT_EQ(space_of("# SPACE=unknown\n"), std::nullopt);
+  EXPECT_EQ(space_of(""), std::nullopt);
+  const std::string legacy =
+      "# vtk DataFile Version 4.2\n3D Slicer output. SPACE=LPS\nASCII\nDATASET POLYDATA\n"
+      "POINTS 3 float\n0 0 0 1 0 0 0 1 0\nPOLYGONS 1 4\n3 0 1 2\n";
+  EXPECT_EQ(read_placed_surface(write("b.vtk", legacy)).space, Space::lps);
 }
 
 TEST_F(Surfaces, OtherProgramsReadThem) {

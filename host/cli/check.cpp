@@ -4,6 +4,7 @@
 #include <fmt/core.h>
 
 #include <cmath>
+#include <cstdio>
 #include <optional>
 
 #include "cli/commands.h"
@@ -61,13 +62,22 @@ double sampling_length(const QualityReport& quality, std::size_t triangles) {
   return std::sqrt(quality.area / static_cast<double>(triangles));
 }
 
-CheckReport check_against(Backend& backend, const TriangleMesh& mesh, const Segmentation& volume,
-                          const CheckRequest& request) {
+/// What is asked for, else what the file says.
+Space space_of(const CheckRequest& request, const PlacedSurface& surface) {
+  if (request.space && surface.space && *request.space != *surface.space)
+    std::fprintf(stderr,
+                 "vasamesh: %s says that it is in %s, and is taken for %s as --space says\n",
+                 request.surface.c_str(), space_name(*surface.space), space_name(*request.space));
+  return request.space ? *request.space : surface.space.value_or(Space::lps);
+}
+
+CheckReport check_against(Backend& backend, const PlacedSurface& surface,
+                          const Segmentation& volume, const CheckRequest& request) {
   const BitVolume object = pack_volume(backend, volume.view());
   const Solid solid =
       examine_solid(backend, object.view(), volume.geometry.size, request.connectivity);
-  const SolidMatch wanted{&solid, volume.geometry, request.space};
-  return check_surface(backend, mesh, &wanted);
+  const SolidMatch wanted{&solid, volume.geometry, *surface.space};
+  return check_surface(backend, surface.mesh, &wanted);
 }
 
 /// The surface that distances are measured to: a file's, or marching cubes of the volume.
@@ -78,11 +88,11 @@ std::optional<TriangleMesh> reference_surface(const CheckRequest& request,
   return std::nullopt;
 }
 
-void write_map(Backend& backend, const CheckRequest& request, const TriangleMesh& mesh,
+void write_map(Backend& backend, const CheckRequest& request, const PlacedSurface& surface,
                const PrincipalCurvatures& curvatures) {
-  TriangleShapes shapes = triangle_shapes(backend, mesh);
+  TriangleShapes shapes = triangle_shapes(backend, surface.mesh);
   catch_interrupts(true);  // so that no half of a file is left
-  write_surface_map(request.map, mesh, request.space,
+  write_surface_map(request.map, surface.mesh, *surface.space,
                     {{"rms_curvature", curvatures.rms()},
                      {"kmax", curvatures.most},
                      {"kmin", curvatures.least},
@@ -106,7 +116,9 @@ void check_request(const CheckRequest& request) {
 
 Examination examine(const CheckRequest& request) {
   check_request(request);
-  TriangleMesh mesh = read_surface(request.surface);
+  PlacedSurface surface = read_placed_surface(request.surface);
+  surface.space = space_of(request, surface);
+  TriangleMesh& mesh = surface.mesh;
   std::optional<Segmentation> volume;
   if (!request.volume.empty()) volume = read_segmentation(request.volume, request.read);
   const Context context = make_context({"tbb", "", request.threads, nullptr});
@@ -114,17 +126,17 @@ Examination examine(const CheckRequest& request) {
 
   Examination result;
   result.voxel_known = volume.has_value();
-  result.check = volume ? check_against(backend, mesh, *volume, request)
+  result.check = volume ? check_against(backend, surface, *volume, request)
                         : check_surface(backend, mesh, nullptr);
   result.quality = measure_quality(backend, mesh);
   const PrincipalCurvatures curvatures = principal_curvatures(backend, mesh);
   result.curvature = describe_weighted(curvatures.rms(), curvatures.area);
-  if (!request.map.empty()) write_map(backend, request, mesh, curvatures);
+  if (!request.map.empty()) write_map(backend, request, surface, curvatures);
   if (const auto reference = reference_surface(request, volume)) {
     const double voxel =
         volume ? voxel_length(volume->geometry)
                : sampling_length(measure_quality(backend, *reference), reference->triangle_count());
-    if (request.reference.empty()) move_to_lps(mesh, request.space, volume->geometry);
+    if (request.reference.empty()) move_to_lps(mesh, *surface.space, volume->geometry);
     result.distance = measure_distance(backend, mesh, *reference, voxel);
     result.reference_triangles = reference->triangle_count();
   }

@@ -3,6 +3,7 @@
 /// \file
 /// The subcommands of the program: what each was asked for, and the function that does it.
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -33,7 +34,7 @@ struct CheckRequest {
   bool json = false;
   ReadOptions read;
   Connectivity connectivity = Connectivity::vertex;
-  Space space = Space::lps;  ///< of the surface's coordinates
+  std::optional<Space> space;  ///< of the surface's coordinates; none: what its file says, else LPS
   int threads = 0;
 };
 

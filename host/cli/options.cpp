@@ -25,9 +25,9 @@ constexpr const char* kCheckExamples =
     "  vasamesh check vessel.ply --reference exact.ply --json";
 
 /// The value of `text` in `names`, one of which it is: IsMember has checked that.
-template <class Value>
+template <class Value, class Target>
 void add_choice(CLI::App* app, const std::string& name, const std::map<std::string, Value>& names,
-                Value& value, const std::string& help, const std::string& standard) {
+                Target& value, const std::string& help, const std::string& standard) {
   std::vector<std::string> keys;
   for (const auto& entry : names) keys.push_back(entry.first);
   app->add_option_function<std::string>(
@@ -44,10 +44,12 @@ void add_connectivity(CLI::App* app, Connectivity& connectivity) {
       "26");
 }
 
-void add_space(CLI::App* app, Space& space, const std::string& help) {
+/// \param space  a Space, or an optional one.
+template <class Target>
+void add_space(CLI::App* app, Target& space, const std::string& help, const std::string& standard) {
   add_choice<Space>(app, "--space",
                     {{"lps", Space::lps}, {"ras", Space::ras}, {"voxel", Space::voxel}}, space,
-                    help, "lps");
+                    help, standard);
 }
 
 void set_label(const std::string& text, ReadOptions& read) {
@@ -163,7 +165,7 @@ void add_parameters(CLI::App* app, Parameters& p, std::int64_t& read_memory) {
                 "Fill tunnels and cavities that the smooth field does not have");
   app->add_option("--min-component", p.min_component, "Drop pieces of fewer voxels")
       ->capture_default_str();
-  add_space(app, p.space, "Space of the vertices");
+  add_space(app, p.space, "Space of the vertices", "lps");
   add_edge_lengths(app, p);
   refuse_beside_base(app, p);
   app->add_option_function<std::int64_t>(
@@ -210,7 +212,8 @@ CLI::App* add_check(CLI::App& app, CheckRequest& request) {
   add_connectivity(check, request.connectivity);
   for (const char* name : {"--label", "--threshold", "--connectivity"})
     check->get_option(name)->needs(against);
-  add_space(check, request.space, "Space of SURFACE, for --against");
+  add_space(check, request.space, "Space of SURFACE, for --against",
+            "what the file says, else lps");
   add_threads(check, request.threads);
   check->add_flag("--json", request.json, "Print JSON");
   check->add_option("--map", request.map, "Write the curvatures and shapes on the surface, .vtp");

@@ -5,6 +5,7 @@
 /// VTK (.vtk) in only.
 
 #include <atomic>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,15 @@ namespace vasamesh {
 ///         triangles, an index out of range, a coordinate that is not finite, more than 2^32 - 1
 ///         vertices.
 TriangleMesh read_surface(const std::string& path);
+
+/// A surface, and the space that its file says it is in, as write_surface or 3D Slicer writes it.
+struct PlacedSurface {
+  TriangleMesh mesh;
+  std::optional<Space> space;  ///< none where the file says nothing
+};
+
+/// The same. \throws Error as read_surface.
+PlacedSurface read_placed_surface(const std::string& path);
 
 /// Writes a surface; the ending chooses the format (.vtp, .stl and .ply binary, .obj). float32
 /// coordinates survive bit by bit in each of them. The space is written into the file: SPACE=LPS

@@ -1,5 +1,6 @@
 #include <vtkCellArray.h>
 #include <vtkCellArrayIterator.h>
+#include <vtkFieldData.h>
 #include <vtkLogger.h>
 #include <vtkNew.h>
 #include <vtkObjectFactory.h>
@@ -7,6 +8,7 @@
 #include <vtkPolyData.h>
 #include <vtkPolyDataReader.h>
 #include <vtkSTLReader.h>
+#include <vtkStringArray.h>
 #include <vtkXMLPolyDataReader.h>
 
 #include <algorithm>
@@ -16,6 +18,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -26,6 +29,7 @@
 #include "io/ply_reader.h"
 #include "io/quiet.h"
 #include "io/surface_io.h"
+#include "io/text_header.h"
 #include "io/trial.h"
 
 namespace vasamesh {
@@ -200,6 +204,30 @@ void merge_vertices(TriangleMesh& mesh) {
   for (std::uint32_t& corner : mesh.triangles) corner = merged[corner];
 }
 
+/// "SPACE=LPS" and the like within `text`; none where it says nothing that is known.
+std::optional<Space> named_space(std::string_view text) {
+  constexpr std::string_view kKey = "SPACE=";
+  const std::size_t at = text.find(kKey);
+  if (at == std::string_view::npos) return std::nullopt;
+  text.remove_prefix(at + kKey.size());
+  for (const Space space : {Space::lps, Space::ras, Space::voxel})
+    if (lower_case(std::string(text)).starts_with(space_name(space))) return space;
+  return std::nullopt;
+}
+
+/// Of STL, PLY, OBJ and legacy VTK: in a comment or title at the file's head, as in 3D Slicer's.
+std::optional<Space> space_in_head(const std::string& path) {
+  std::array<char, 512> head{};
+  const std::size_t bytes = ByteStream(path, 0, Encoding::raw).read(head.data(), head.size());
+  return named_space({head.data(), bytes});
+}
+
+std::optional<Space> space_in_fields(vtkPolyData& data) {
+  auto* array = vtkStringArray::SafeDownCast(data.GetFieldData()->GetAbstractArray("SPACE"));
+  if (!array || array->GetNumberOfValues() != 1) return std::nullopt;
+  return named_space("SPACE=" + array->GetValue(0));
+}
+
 void check_mesh(const std::string& path, const TriangleMesh& mesh) {
   if (mesh.triangles.empty()) {
     throw_bad_input(path, "it holds no triangles", "give a triangle surface");
@@ -217,14 +245,16 @@ void check_mesh(const std::string& path, const TriangleMesh& mesh) {
 
 }  // namespace
 
-TriangleMesh read_surface(const std::string& path) {
+PlacedSurface read_placed_surface(const std::string& path) {
   const Quiet quiet;
   file_size(path);
   const std::string ending = file_ending(path, {".vtp", ".stl", ".ply", ".obj", ".vtk"});
   if (ending.empty()) {
     throw_bad_input(path, "unknown format of a surface", "give .vtp, .stl, .ply, .obj or .vtk");
   }
-  TriangleMesh mesh;
+  PlacedSurface surface;
+  TriangleMesh& mesh = surface.mesh;
+  if (ending != ".vtp") surface.space = space_in_head(path);
   if (ending == ".stl") check_stl(path);
   if (ending == ".obj") {
     mesh = read_obj(path);
@@ -235,10 +265,13 @@ TriangleMesh read_surface(const std::string& path) {
     copy_vertices(path, *data, mesh);
     append_fans(path, *data->GetPolys(), mesh);
     append_strips(path, *data->GetStrips(), mesh);
+    if (ending == ".vtp") surface.space = space_in_fields(*data);
   }
   check_mesh(path, mesh);
   if (ending == ".stl") merge_vertices(mesh);
-  return mesh;
+  return surface;
 }
+
+TriangleMesh read_surface(const std::string& path) { return read_placed_surface(path).mesh; }
 
 }  // namespace vasamesh
