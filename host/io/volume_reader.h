@@ -49,7 +49,8 @@ struct PackedSegmentation {
 ///
 /// \throws Error bad_input, one line that names the file, the reason and the remedy: no such file,
 ///         unknown format, truncated or corrupt, sizes that do not fit the file, not 3D, no scalar
-///         pixels, spacing outside 1e-6 to 1e4 mm or of a ratio above 100, sheared direction, NaN,
+///         pixels, spacing outside 1e-6 to 1e4 mm or of a ratio above 100, a unit of length that is
+///         unknown or not the same along all axes, sheared direction, NaN,
 ///         infinite values without a threshold, no or several candidates for the object, an absent
 ///         label, nothing selected, a folder that is not exactly one DICOM series.
 /// \throws Error usage, when more than one way of selection is asked for.
