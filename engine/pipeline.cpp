@@ -70,7 +70,7 @@ std::optional<TriangleMesh> proven_surface(Polygonizer& polygonizer, Scheduler& 
     report.mesh = polygonizer.report();
     if (verdict == Verdict::take) break;
   }
-  if (!best) report.mesh = polygonizer.report();
+  if (best) polygonizer.check_count(report.check.triangles);
   report.mesh.attempts = polygonizer.report().attempts;
   return best;
 }
@@ -181,6 +181,7 @@ TriangleMesh proven_mesh(const Labelled& labelled, const Parameters& parameters,
     Polygonizer polygonizer(
         scheduler, labelled.lattice, labelled.size, labelled.scale,
         extract_base_surface(scheduler.backend_for(Stage::surface), labelled.lattice), parameters);
+    report.mesh = polygonizer.report();
     if (polygonizer.is_worthwhile(labelled.solid.topology))
       if (std::optional<TriangleMesh> mesh = proven_surface(polygonizer, scheduler, wanted, report))
         return std::move(*mesh);

@@ -109,13 +109,14 @@ Polygonizer::Polygonizer(Scheduler& scheduler, const Lattice& lattice,
   });
   field_ = make_field(sizing(), lattice, size, scale);
   sizes_ = make_sizes(sizing(), field_, base_, rule_);
-  if (wanted_triangles_ > 0) aim(wanted_triangles_);
+  if (wanted_triangles_ > 0) aim();
   report_.predicted_triangles = sizes_.predicted_triangles;
 }
 
 /// Scales the lengths until the prediction is right: it goes with their inverse square.
-void Polygonizer::aim(double triangles) {
+void Polygonizer::aim() {
   constexpr int kSteps = 12;
+  const double triangles = wanted_triangles_ / excess_;
   float factor = rule_.edge_max / asked_.edge_max;
   for (int step = 0; step < kSteps; ++step) {
     const double ratio = sizes_.predicted_triangles / triangles;
@@ -126,12 +127,15 @@ void Polygonizer::aim(double triangles) {
     apply_rule(sizing(), field_, base_, rule_, {}, sizes_);
   }
   const double reached = sizes_.predicted_triangles;
-  if (std::fabs(reached / triangles - 1) <= kCountTolerance) return;
-  throw Error(ErrorCode::usage, "this surface cannot have " +
-                                    std::to_string(static_cast<std::int64_t>(triangles)) +
-                                    " triangles: ask for about " +
-                                    std::to_string(static_cast<std::int64_t>(reached)) +
-                                    (reached > triangles ? " or more" : " or fewer"));
+  if (std::fabs(reached / triangles - 1) > kCountTolerance) refuse_count(reached * excess_);
+}
+
+/// \param possible  the nearest number that was found.
+void Polygonizer::refuse_count(double possible) const {
+  throw Error(ErrorCode::usage,
+              "this surface cannot have " + std::to_string(std::llround(wanted_triangles_)) +
+                  " triangles: ask for about " + std::to_string(std::llround(possible)) +
+                  (possible > wanted_triangles_ ? " or more" : " or fewer"));
 }
 
 bool Polygonizer::is_worthwhile(const Topology& topology) const {
@@ -178,7 +182,8 @@ Verdict Polygonizer::judge(const CheckReport& check) {
     plan_after(find_defects(backend_, base_, base_tree_, last_, check.intersecting_pairs > 0));
     return Verdict::refuse;
   }
-  if (astray_.empty() && count_is_right(check.triangles)) return Verdict::take;
+  if (astray_.empty() && (count_is_right(check.triangles) || !aim_again(check.triangles)))
+    return Verdict::take;
   const bool best = !proven_ || astray_.size() < least_astray_;
   proven_ = true;
   if (best) least_astray_ = astray_.size();
@@ -253,14 +258,22 @@ void Polygonizer::start_over(Plan plan) {
   report_.front_triangles = report_.gaps = report_.gap_triangles = 0;
 }
 
-/// Whether the number of triangles is what was asked for. If not, the next surface aims again.
-bool Polygonizer::count_is_right(std::int64_t triangles) {
-  if (wanted_triangles_ == 0) return true;
-  const double ratio = static_cast<double>(triangles) / wanted_triangles_;
-  if (std::fabs(ratio - 1) <= kCountTolerance || ++aims_ == kAims) return true;
+bool Polygonizer::count_is_right(std::int64_t triangles) const {
+  return wanted_triangles_ == 0 ||
+         std::fabs(static_cast<double>(triangles) / wanted_triangles_ - 1) <= kCountTolerance;
+}
+
+/// Aims once more at the number of triangles that is asked for. \return whether it may.
+bool Polygonizer::aim_again(std::int64_t triangles) {
+  if (++aims_ == kAims) return false;
   start_over(Plan::expand);
-  aim(sizes_.predicted_triangles / ratio);
-  return false;
+  excess_ = static_cast<double>(triangles) / sizes_.predicted_triangles;
+  aim();
+  return true;
+}
+
+void Polygonizer::check_count(std::int64_t triangles) const {
+  if (!count_is_right(triangles)) refuse_count(static_cast<double>(triangles));
 }
 
 TriangleMesh Polygonizer::expanded() {

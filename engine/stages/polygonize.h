@@ -59,13 +59,18 @@ class Polygonizer {
   /// and by its number of triangles, and plans the next.
   Verdict judge(const CheckReport& check);
 
+  /// \throws Error usage, where that is not the number of triangles that was asked for.
+  void check_count(std::int64_t triangles) const;
+
   const MeshReport& report() const { return report_; }
 
  private:
   enum class Plan { expand, redo, remesh, stop };
 
-  void aim(double triangles);
-  bool count_is_right(std::int64_t triangles);
+  void aim();
+  [[noreturn]] void refuse_count(double possible) const;
+  bool count_is_right(std::int64_t triangles) const;
+  bool aim_again(std::int64_t triangles);
   TriangleMesh made();
   double base_share() const;
   TriangleMesh expanded();
@@ -99,6 +104,7 @@ class Polygonizer {
   SizeField sizes_;
   Plan plan_ = Plan::expand;
   int aims_ = 0;
+  double excess_ = 1;         ///< triangles of the last surface aimed at, over their prediction
   bool proven_ = false;       ///< some surface was
   int failures_ = 0;          ///< of the plan
   std::vector<Vec3> astray_;  ///< where the last surface and the segmentation are too far apart

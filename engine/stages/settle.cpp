@@ -265,7 +265,8 @@ class Settling {
           places_at(faults.within(spots), kPart[i / kHalf] * cut.place.radius, kFactors[i]);
       if (places.empty() && i % kChain == 0) break;
       if (places.empty()) continue;
-      cut.work += std::max(mesh.triangle_count(), cut.solid.triangle_count() / kSolidShare);
+      cut.work += std::max(
+          {mesh.triangle_count(), faults.far.size(), cut.solid.triangle_count() / kSolidShare});
       if (cut.work >= most) break;
       faults = remake(places, cut.solid, reached, mesh);
       if (faults.counts() >= cut.faults.counts()) continue;

@@ -63,7 +63,9 @@ std::string describe_closed(const RelabelReport& relabel) {
 void print_mesh(const MeshReport& mesh) {
   fmt::print("{:<10}", "Mesh");
   if (mesh.base_share == 1) {
-    fmt::print("the base surface's, since no adaptive one was proven");
+    fmt::print("the base surface's, since {}",
+               mesh.attempts > 1 ? "no adaptive one was proven"
+                                 : "its handles are as small as triangles would be");
   } else if (mesh.front_triangles == 0) {
     fmt::print("the base surface remeshed");
   } else {
