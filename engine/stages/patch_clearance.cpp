@@ -103,7 +103,8 @@ void Clearance::consider(const PatchMesh& mesh, std::uint32_t index, const Box& 
   if (mesh.is_edge(4 * index)) candidates_.push_back({corners_of(mesh, index), face.box});
 }
 
-/// The triangles of the part, but those of the half-edges `gone`, whose boxes meet another.
+/// The triangles of the part, but those of the half-edges `gone`, whose boxes meet another. Forgets
+/// the entries of triangles that have moved on to other slots.
 void Clearance::find_candidates(const PatchMesh& mesh, std::span<const std::uint32_t> gone,
                                 const Box& around) {
   candidates_.clear();
@@ -113,9 +114,18 @@ void Clearance::find_candidates(const PatchMesh& mesh, std::span<const std::uint
   const Vec3 reach = {reach_, reach_, reach_}, low = around.low - reach, high = around.high + reach;
   for (std::uint32_t z = cell_of(low.z); z <= cell_of(high.z); ++z)
     for (std::uint32_t y = cell_of(low.y); y <= cell_of(high.y); ++y)
-      for (std::uint32_t x = cell_of(low.x); x <= cell_of(high.x); ++x)
-        for (std::uint32_t e = head_[slot_of(x, y, z)]; e != PatchMesh::kNone; e = entries_[e].next)
-          consider(mesh, entries_[e].face, around);
+      for (std::uint32_t x = cell_of(low.x); x <= cell_of(high.x); ++x) {
+        const std::uint32_t slot = slot_of(x, y, z);
+        for (std::uint32_t* link = &head_[slot]; *link != PatchMesh::kNone;) {
+          Entry& entry = entries_[*link];
+          if (faces_[entry.face].slot != slot) {
+            *link = entry.next;
+            continue;
+          }
+          consider(mesh, entry.face, around);
+          link = &entry.next;
+        }
+      }
   for (const std::uint32_t index : large_) consider(mesh, index, around);
 }
 

@@ -35,8 +35,7 @@ class Clearance {
   bool is_clear(const PatchMesh& mesh, std::span<const std::uint32_t> gone,
                 std::span<const Corners> made);
 
-  /// Takes up the triangle of the half-edge h as it is now, after any change of it. The cell where
-  /// it was before keeps it too, which costs time alone.
+  /// Takes up the triangle of the half-edge h as it is now, after any change of it.
   void take_up(const PatchMesh& mesh, std::uint32_t h);
 
   /// Turns the edge of h unless its new triangles would then meet others. \return whether it did.
