@@ -27,15 +27,17 @@ bool within(double value, double least, double most) {
 }
 
 void validate(const EdgeLengths& e) {
-  constexpr double kLeast = 1e-3;
+  constexpr double kLeast = 1e-3, kLeastEdge = 0.1, kLongestEdge = 100;
   if (!within(e.rho, kLeast, 2)) out_of_range("--rho", "above 0 to 2");
   if (e.edges_around != 0 && !within(e.edges_around, 4, 100))
     out_of_range("--edges-around", "4 to 100 (0: by rho)");
   if (e.chord_error != 0 && !within(e.chord_error, kLeast, 1))
     out_of_range("--chord-error", "above 0 to 1 voxel (0: by rho)");
   if (e.triangles < 0) out_of_range("--triangles", "how many are wanted (0: by rho)");
-  if (!within(e.edge_min, kLeast, 100)) out_of_range("--edge-min", "above 0 to 100 voxels");
-  if (!within(e.edge_max, kLeast, 100)) out_of_range("--edge-max", "above 0 to 100 voxels");
+  if (!within(e.edge_min, kLeastEdge, kLongestEdge))
+    out_of_range("--edge-min", "0.1 to 100 voxels");
+  if (!within(e.edge_max, kLeastEdge, kLongestEdge))
+    out_of_range("--edge-max", "0.1 to 100 voxels");
   if (e.edge_min > e.edge_max)
     throw Error(ErrorCode::usage, "--edge-min " + number(e.edge_min, EdgeLengths{}.edge_min) +
                                       " is above --edge-max " +

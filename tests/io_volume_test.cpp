@@ -308,9 +308,9 @@ TEST(MetaAndNrrd, ThePlaceInEverySpaceOfNrrd) {
 TEST(MetaAndNrrd, UnitsOfNrrdBecomeMillimetres) {
   const Scratch scratch;
   const std::pair<const char*, double> units[] = {
-      {"um", 1e-3},    {"\xc2\xb5m", 1e-3}, {"\xce\xbcm", 1e-3},
-      {"\xb5m", 1e-3}, {"microns", 1e-3},   {"MM", 1},
-      {"", 1},         {"cm", 10},          {"m", 1e3}};
+      {"um", 1e-3},      {"\xc2\xb5m", 1e-3}, {"\xce\xbcm", 1e-3}, {"\xb5m", 1e-3},
+      {"microns", 1e-3}, {"MM", 1},           {"millimetres", 1},  {"", 1},
+      {"cm", 10},        {"m", 1e3}};
   for (const auto& [unit, in_mm] : units) {
     SCOPED_TRACE(unit);
     std::ostringstream three;

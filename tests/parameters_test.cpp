@@ -43,7 +43,7 @@ TEST_P(EdgeRange, ItsLimitsAreAcceptedAndNothingBeyond) {
   const auto& [name, field, good, bad] = GetParam();
   for (const double value : good) {
     Parameters parameters;
-    parameters.edges.edge_min = 0.001;
+    parameters.edges.edge_min = 0.1;
     parameters.edges.edge_max = 100;
     parameters.edges.*field = value;
     EXPECT_NO_THROW(validate(parameters)) << name << " " << value;
@@ -61,8 +61,8 @@ INSTANTIATE_TEST_SUITE_P(
         Range{"--rho", &EdgeLengths::rho, {0.001, 2}, {0, -1, 2.01, kNaN, kInfinity}},
         Range{"--edges-around", &EdgeLengths::edges_around, {0, 4, 100}, {3.99, 100.1, -6, kNaN}},
         Range{"--chord-error", &EdgeLengths::chord_error, {0, 0.001, 1}, {1.01, -0.1, kNaN}},
-        Range{"--edge-min", &EdgeLengths::edge_min, {0.001, 100}, {0, -1, 101, kNaN}},
-        Range{"--edge-max", &EdgeLengths::edge_max, {0.001, 100}, {0, -1, 101, kInfinity}},
+        Range{"--edge-min", &EdgeLengths::edge_min, {0.1, 100}, {0, 0.09, -1, 101, kNaN}},
+        Range{"--edge-max", &EdgeLengths::edge_max, {0.1, 100}, {0, 0.09, -1, 101, kInfinity}},
         Range{"--gradation", &EdgeLengths::gradation, {0.01, 2}, {0, 2.1, -1, kNaN}}),
     [](const auto& param_info) {
       std::string name = param_info.param.name;

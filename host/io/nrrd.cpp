@@ -125,30 +125,33 @@ std::vector<std::string> quoted(const std::string& field) {
   return all;
 }
 
+/// A unit's name as kUnits has it: without the plural, in American spelling.
+std::string unit_name(const std::string& name) {
+  std::string unit = lower_case(name);
+  if (const std::size_t metre = unit.find("metre"); metre != std::string::npos)
+    unit.replace(metre, 5, "meter");
+  if (unit.ends_with("meters") || unit.ends_with("microns")) unit.pop_back();
+  return unit;
+}
+
 /// No unit means mm. The sign of micro is U+00B5, U+03BC or Latin-1's.
 double unit_in_mm(const std::string& path, const std::string& name) {
   static const std::map<std::string, double> kUnits = {{"", 1},
                                                        {"nm", 1e-6},
                                                        {"nanometer", 1e-6},
-                                                       {"nanometers", 1e-6},
                                                        {"um", 1e-3},
                                                        {"\xc2\xb5m", 1e-3},
                                                        {"\xce\xbcm", 1e-3},
                                                        {"\xb5m", 1e-3},
                                                        {"micron", 1e-3},
-                                                       {"microns", 1e-3},
                                                        {"micrometer", 1e-3},
-                                                       {"micrometers", 1e-3},
                                                        {"mm", 1},
                                                        {"millimeter", 1},
-                                                       {"millimeters", 1},
                                                        {"cm", 10},
                                                        {"centimeter", 10},
-                                                       {"centimeters", 10},
                                                        {"m", 1e3},
-                                                       {"meter", 1e3},
-                                                       {"meters", 1e3}};
-  const auto unit = kUnits.find(lower_case(name));
+                                                       {"meter", 1e3}};
+  const auto unit = kUnits.find(unit_name(name));
   if (unit != kUnits.end()) return unit->second;
   throw_bad_input(path, "its unit of length is \"" + name + "\"",
                   "give nm, um, mm, cm or m as the space units in its header");

@@ -55,7 +55,7 @@ struct EdgeLengths {
   double chord_error = 0;       ///< voxels, above 0 to 1: sqrt(8 chord_error r) instead of rho r
   std::int64_t triangles = 0;   ///< how many are wanted, within 10 %: rho, edge_min and edge_max
                                 ///< are scaled together
-  double edge_min = 1.1;        ///< voxels, above 0 to 100
+  double edge_min = 1.1;        ///< voxels, 0.1 to 100
   double edge_max = 1.6;        ///< voxels, edge_min to 100
   double gradation = 0.25;      ///< 0.01 to 2
 };
