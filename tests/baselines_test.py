@@ -25,7 +25,7 @@ class Baselines(unittest.TestCase):
         for shape in SHAPES:
             with self.subTest(shape), tempfile.TemporaryDirectory() as name:
                 folder = Path(name)
-                given = open_input(shape, self.program, folder)
+                given = open_input(shape, self.program, folder, set())
                 row = measure(method, given, self.program.parent, folder, TIMEOUT)
                 if row["status"] == "missing":
                     self.skipTest(row["reason"])

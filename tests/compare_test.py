@@ -272,7 +272,32 @@ class WholeRun(unittest.TestCase):
         outcome = self.compare("no_such_thing", "-o", self.folder.name)
         self.assertEqual(outcome.returncode, 3)
         self.assertIn("no_such_thing: no such file, and no phantom", outcome.stderr)
-        self.assertEqual(self.compare("sphere", "-o", "x", "--methods", "magic").returncode, 2)
+        for words in (
+            ("-o", "x", "--methods", "magic"),
+            ("-o", __file__),
+            ("-o", self.folder.name, "--keep", __file__),
+            ("-o", self.folder.name, "--timeout", "0"),
+            ("-o", self.folder.name, "--timeout", "nan"),
+            ("-o", self.folder.name, "--page-triangles", "-1"),
+        ):
+            outcome = self.compare("sphere", *words)
+            self.assertEqual(outcome.returncode, 2, words)
+            self.assertNotIn("Traceback", outcome.stderr)
+
+    def test_inputs_of_one_name_are_told_apart(self) -> None:
+        with tempfile.TemporaryDirectory() as name:
+            folder = Path(name)
+            scans = [folder / which / "scan.nii.gz" for which in ("a", "b")]
+            for scan, shape in zip(scans, ("sphere", "torus")):
+                scan.parent.mkdir()
+                subprocess.run([self.program, "phantom", shape, "-o", scan], check=True)
+            words = ("-o", folder / "out", "--methods", "ours, ours", "--tables-only")
+            self.assertEqual(self.compare(*map(str, scans + list(words))).returncode, 0)
+            inputs = json.loads((folder / "out" / "report.json").read_text())["inputs"]
+        self.assertEqual([given["name"] for given in inputs], ["scan", "scan-2"])
+        self.assertEqual([len(given["methods"]) for given in inputs], [1, 1])
+        handles = [given["methods"][0]["check"]["topology"]["handles"] for given in inputs]
+        self.assertEqual(handles, [0, 1])
 
     def test_histograms_add_up(self) -> None:
         rows = json.loads(self.text_of("report.json"))["inputs"][0]["methods"]
@@ -327,7 +352,7 @@ class Pictures(unittest.TestCase):
 
         with tempfile.TemporaryDirectory() as name:
             folder = Path(name)
-            self.assertIsNone(reference_beside(folder / "scan.nii.gz", folder))
+            self.assertIsNone(reference_beside(folder / "scan.nii.gz", folder / "copy.ply"))
             plane, writer, reader = vtkPlaneSource(), vtkPolyDataWriter(), vtkPLYReader()
             plane.SetOrigin(1, 2, 3)
             plane.SetPoint1(5, 2, 3)
@@ -335,7 +360,9 @@ class Pictures(unittest.TestCase):
             writer.SetInputConnection(plane.GetOutputPort())
             writer.SetFileName(str(folder / "scan.vtk"))
             writer.Write()
-            reader.SetFileName(str(reference_beside(folder / "scan.nii.gz", folder)))
+            reader.SetFileName(
+                str(reference_beside(folder / "scan.nii.gz", folder / "copy.ply"))
+            )
             reader.Update()
         self.assertEqual(reader.GetOutput().GetBounds(), (-5, -1, -7, -2, 3, 3))
 

@@ -44,13 +44,23 @@ def parse(arguments: list[str]) -> argparse.Namespace:
     parser.add_argument("--tables-only", action="store_true", help="no pictures and no page")
     parser.add_argument("--keep", type=Path, metavar="FOLDER", help="keep the surfaces there")
     options = parser.parse_args(arguments)
-    options.methods = options.methods.split(",")
+    options.methods = list(dict.fromkeys(name.strip() for name in options.methods.split(",")))
     unknown = [name for name in options.methods if name not in METHODS]
     if unknown:
         parser.error(f"--methods {','.join(unknown)}: there are {', '.join(METHODS)}")
+    if not 0 < options.timeout < float("inf"):
+        parser.error(f"--timeout {options.timeout:g}: give seconds above 0")
+    if options.page_triangles < 0:
+        parser.error(f"--page-triangles {options.page_triangles}: give 0 or more")
     options.build = options.build.resolve()
     if not (options.build / "vasamesh").exists():
         parser.error(f"--build {options.build}: no vasamesh there; build it or name its folder")
+    for folder in filter(None, (options.output, options.keep)):
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            tempfile.TemporaryFile(dir=folder).close()
+        except OSError as error:
+            parser.error(f"{folder}: {error.strerror}; name a folder that can be written")
     return options
 
 
@@ -104,8 +114,11 @@ def write_page(
 
 def compare(options: argparse.Namespace, scratch: Path) -> None:
     program = options.build / "vasamesh"
-    inputs = [open_input(text, program, scratch) for text in options.inputs]
-    swept = open_input(options.sweep, program, scratch) if options.sweep else None
+    names: set[str] = set()
+    inputs = {text: open_input(text, program, scratch, names) for text in options.inputs}
+    swept = None
+    if options.sweep:
+        swept = inputs.get(options.sweep) or open_input(options.sweep, program, scratch, names)
     content: dict[str, Any] = {
         "machine": process.machine(),
         "methods": options.methods,
@@ -113,7 +126,7 @@ def compare(options: argparse.Namespace, scratch: Path) -> None:
     }
     content["inputs"] = [
         evaluate(given, options.methods, options.build, scratch, options.timeout)
-        for given in inputs
+        for given in inputs.values()
     ]
     content["version"] = f"vasamesh {content['inputs'][0]['version']}"
     for found in content["inputs"]:
@@ -130,10 +143,8 @@ def compare(options: argparse.Namespace, scratch: Path) -> None:
 def main(arguments: list[str] | None = None) -> int:
     options = parse(sys.argv[1:] if arguments is None else arguments)
     options.output = options.output.resolve()
-    options.output.mkdir(parents=True, exist_ok=True)
     try:
         if options.keep:
-            options.keep.mkdir(parents=True, exist_ok=True)
             compare(options, options.keep.resolve())
         else:
             with tempfile.TemporaryDirectory(prefix="vasamesh-compare-") as scratch:

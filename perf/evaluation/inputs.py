@@ -36,7 +36,17 @@ def stem(path: Path) -> str:
     return path.name
 
 
-def reference_beside(volume: Path, folder: Path) -> Path | None:
+def free_name(name: str, taken: set[str]) -> str:
+    """The name, with "-2", "-3" behind it where others have it: files and headings go by names."""
+    free, count = name, 1
+    while free in taken:
+        count += 1
+        free = f"{name}-{count}"
+    taken.add(free)
+    return free
+
+
+def reference_beside(volume: Path, copy: Path) -> Path | None:
     """The surface STEM.vtk (mm, RAS) that lies beside a volume STEM.ENDING and is what it was drawn
     from, copied to LPS; None where there is none, or no Python package vtk."""
     given = volume.parent / f"{stem(volume)}.vtk"
@@ -44,25 +54,27 @@ def reference_beside(volume: Path, folder: Path) -> Path | None:
         return None
     from .surfaces import to_lps  # optional package
 
-    copy = folder / f"{stem(volume)}_exact.ply"
     to_lps(given, copy)
     return copy
 
 
-def open_input(text: str, program: Path, folder: Path) -> Input:
-    """A file or DICOM folder as it is; a phantom's name: made in the folder.
+def open_input(text: str, program: Path, folder: Path, taken: set[str]) -> Input:
+    """A file or DICOM folder as it is; a phantom's name: made in the folder. Its name is one that
+    is not taken yet.
     :raises BadInput: it is neither, or the phantom cannot be made."""
     if Path(text).exists():
         path = Path(text).resolve()
-        return Input(stem(path), path, reference_beside(path, folder))
+        name = free_name(stem(path), taken)
+        return Input(name, path, reference_beside(path, folder / f"{name}_exact.ply"))
     if text not in phantom_names(program):
         raise BadInput(
             f"{text}: no such file, and no phantom of that name; see `vasamesh phantom " "--help`"
         )
-    volume, exact = folder / f"{text}.nii.gz", folder / f"{text}_exact.ply"
+    name = free_name(text, taken)
+    volume, exact = folder / f"{name}.nii.gz", folder / f"{name}_exact.ply"
     outcome = process.run([program, "phantom", text, "-o", volume, "--surface", exact])
     if outcome.code != 0:
         outcome = process.run([program, "phantom", text, "-o", volume])
     if outcome.code != 0:
         raise BadInput(outcome.error.strip())
-    return Input(text, volume, exact if exact.exists() else None)
+    return Input(name, volume, exact if exact.exists() else None)
