@@ -28,12 +28,14 @@ bool within(double value, double least, double most) {
 
 void validate(const EdgeLengths& e) {
   constexpr double kLeast = 1e-3, kLeastEdge = 0.1, kLongestEdge = 100;
-  if (!within(e.rho, kLeast, 2)) out_of_range("--rho", "above 0 to 2");
+  constexpr std::int64_t kMostTriangles = 1'000'000'000;
+  if (!within(e.rho, kLeast, 2)) out_of_range("--rho", "0.001 to 2");
   if (e.edges_around != 0 && !within(e.edges_around, 4, 100))
     out_of_range("--edges-around", "4 to 100 (0: by rho)");
   if (e.chord_error != 0 && !within(e.chord_error, kLeast, 1))
-    out_of_range("--chord-error", "above 0 to 1 voxel (0: by rho)");
-  if (e.triangles < 0) out_of_range("--triangles", "how many are wanted (0: by rho)");
+    out_of_range("--chord-error", "0.001 to 1 voxel (0: by rho)");
+  if (e.triangles < 0 || e.triangles > kMostTriangles)
+    out_of_range("--triangles", "how many are wanted, up to 1,000,000,000 (0: by rho)");
   if (!within(e.edge_min, kLeastEdge, kLongestEdge))
     out_of_range("--edge-min", "0.1 to 100 voxels");
   if (!within(e.edge_max, kLeastEdge, kLongestEdge))
@@ -77,6 +79,14 @@ void validate(const Parameters& p) {
     out_of_range("--kernel-width", "0.5 to 4 voxels");
   if (p.min_component < 0) out_of_range("--min-component", "0 (keep all) or more voxels");
   if (p.max_memory < 0) out_of_range("--max-memory", "0 (no limit) or more bytes");
+  if (p.normals != NormalMode::covariance && p.normals != NormalMode::gradient)
+    out_of_range("--normals", "covariance or gradient");
+  if (p.surface != SurfaceKind::adaptive && p.surface != SurfaceKind::base)
+    out_of_range("--surface", "adaptive or base");
+  if (p.stitch != StitchMode::exact && p.stitch != StitchMode::paper)
+    out_of_range("--stitch", "exact or paper");
+  if (p.space != Space::lps && p.space != Space::ras && p.space != Space::voxel)
+    out_of_range("--space", "lps, ras or voxel");
   const int c = static_cast<int>(p.connectivity);
   if (c != 6 && c != 18 && c != 26) out_of_range("--connectivity", "6, 18 or 26");
 }

@@ -18,6 +18,7 @@
 #include "stages/surface.h"
 #include "stages/topology_count.h"
 #include "stages/verify.h"
+#include "stages/volume_check.h"
 
 namespace vasamesh {
 
@@ -229,7 +230,7 @@ Result Converter::convert(const VolumeView& volume, const Parameters& parameters
 
 Result convert(const VolumeView& volume, const Parameters& parameters, Context& context) {
   validate(parameters);
-  check_resolution(volume.geometry, parameters.space);
+  check_volume(volume, parameters.space);
   Scheduler scheduler(context, static_cast<std::size_t>(parameters.max_memory));
   try {
     return run_pipeline(volume, parameters, scheduler);

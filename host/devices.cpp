@@ -61,12 +61,18 @@ std::vector<DeviceInfo> devices_of(const std::string& backend) {
   return devices;
 }
 
+/// The variable is a default for those who leave the choice open: where oneTBB is asked for, it
+/// need only name some device.
 DeviceInfo device_for(const ContextOptions& options) {
   const char* variable = std::getenv(kDeviceVariable);
   if (!options.device.empty())
     return choose_device(devices_of(options.backend), options.device, "--device");
-  if (variable && *variable)
-    return choose_device(devices_of(options.backend), variable, kDeviceVariable);
+  if (variable && *variable) {
+    const bool open = options.backend != "tbb";
+    const DeviceInfo named = choose_device(open ? devices_of(options.backend) : list_devices(),
+                                           variable, kDeviceVariable);
+    return open ? named : describe_cpu();
+  }
   return options.backend == "opencl" ? devices_of("opencl")[0] : describe_cpu();
 }
 

@@ -107,6 +107,7 @@ TEST_F(Bench, WrongUse) {
   EXPECT_EQ(run({"bench"}).code, 2);
   EXPECT_EQ(run({"bench", volume_, "--backends", "cuda"}).code, 2);
   EXPECT_EQ(run({"bench", volume_, "--repeat", "0"}).code, 2);
+  EXPECT_EQ(run({"bench", volume_, "--device", "99", "--threads", "1"}).code, 5);
   EXPECT_EQ(run({"bench", folder_ / "none.nii.gz", "--threads", "1", "--backends", "tbb"}).code, 3);
 }
 

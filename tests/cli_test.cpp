@@ -169,7 +169,7 @@ const Fault kWrongUse[] = {
     {"surface", convert("@good.nrrd", {"--surface", "smooth"}), 2, {"--surface", "adaptive"}},
     {"preset", convert("@good.nrrd", {"--preset", "best"}), 2, {"--preset", "simulator"}},
     {"stitch", convert("@good.nrrd", {"--stitch", "loose"}), 2, {"--stitch", "exact"}},
-    {"rho", convert("@good.nrrd", {"--rho", "0"}), 2, {"--rho", "above 0 to 2"}},
+    {"rho", convert("@good.nrrd", {"--rho", "0"}), 2, {"--rho", "0.001 to 2"}},
     {"chord_error", convert("@good.nrrd", {"--chord-error", "3"}), 2, {"--chord-error", "1 voxel"}},
     {"edges_around", convert("@good.nrrd", {"--edges-around", "3"}), 2, {"--edges-around", "4 to"}},
     {"gradation", convert("@good.nrrd", {"--gradation", "9"}), 2, {"--gradation", "0.01 to 2"}},

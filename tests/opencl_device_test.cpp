@@ -165,6 +165,7 @@ TEST_F(OpenClDevices, NumberAndVariableChoose) {
   EXPECT_EQ(first_backend(asked("auto", "1")), "opencl");
   const Variable variable("VASAMESH_DEVICE", "1");
   EXPECT_EQ(first_backend(asked("auto")), "opencl");
+  EXPECT_EQ(first_backend(asked("tbb")), "tbb") << "the variable is a default only";
 }
 
 TEST_F(OpenClDevices, NameThatFitsSeveralNamesThem) {

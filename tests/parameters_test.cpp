@@ -78,6 +78,28 @@ TEST(Parameters, TrianglesAreNotNegative) {
   expect_refused(parameters, "--triangles");
 }
 
+TEST(Parameters, TrianglesAreNotBeyondAllMeasure) {
+  Parameters parameters;
+  parameters.edges.triangles = 1'000'000'000;
+  EXPECT_NO_THROW(validate(parameters));
+  ++parameters.edges.triangles;
+  expect_refused(parameters, "--triangles");
+}
+
+TEST(Parameters, ChoicesThatAreNoneAreRefused) {
+  Parameters normals, surface, stitch, space, connectivity;
+  normals.normals = static_cast<NormalMode>(9);
+  surface.surface = static_cast<SurfaceKind>(9);
+  stitch.stitch = static_cast<StitchMode>(9);
+  space.space = static_cast<Space>(9);
+  connectivity.connectivity = static_cast<Connectivity>(7);
+  expect_refused(normals, "--normals");
+  expect_refused(surface, "--surface");
+  expect_refused(stitch, "--stitch");
+  expect_refused(space, "--space");
+  expect_refused(connectivity, "--connectivity");
+}
+
 TEST(Parameters, ShortestAboveLongestIsRefused) {
   Parameters parameters;
   parameters.edges.edge_min = parameters.edges.edge_max = 3;

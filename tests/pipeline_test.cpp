@@ -14,6 +14,8 @@
 #include <limits>
 #include <set>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "backend/backend.h"
 #include "support/cases.h"
@@ -259,6 +261,37 @@ TEST(PipelineSpace, AnOriginTooFarForFloat32IsRefused) {
     }
     EXPECT_NO_THROW(convert(volume, with(&Parameters::space, Space::voxel), context()));
   }
+}
+
+TEST(PipelineInput, AVolumeThatIsNoneIsRefused) {
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const Phantom phantom = y_branch();
+  std::vector<std::pair<std::string, VolumeView>> bad;
+  const auto add = [&](const char* reason) -> VolumeView& {
+    return bad.emplace_back(reason, phantom.view()).second;
+  };
+  add("no voxels").data = nullptr;
+  add("format").format = static_cast<VoxelFormat>(7);
+  for (const std::int64_t size : {std::int64_t{0}, std::int64_t{-5}, std::int64_t{1} << 32,
+                                  std::numeric_limits<std::int64_t>::max()})
+    add("voxels along an axis").geometry.size[1] = size;
+  for (const double spacing : {0.0, -1.0, 1e-300, 1e300, kNaN, kInfinity})
+    for (const std::size_t axis : {0, 2}) add("spacing").geometry.spacing[axis] = spacing;
+  for (const double origin : {kNaN, kInfinity, -kInfinity})
+    add("origin").geometry.origin[1] = origin;
+  add("direction").geometry.direction.fill(0);
+  add("direction").geometry.direction[4] = kNaN;
+  add("direction").geometry.direction[1] = 0.5;
+  add("direction").geometry.direction = {2, 0, 0, 0, 2, 0, 0, 0, 2};
+  for (const auto& [reason, volume] : bad)
+    for (const Space space : {Space::lps, Space::voxel}) {
+      SCOPED_TRACE(reason);
+      const Error error = error_of(
+          [&, &volume = volume] { convert(volume, with(&Parameters::space, space), context()); });
+      EXPECT_EQ(error.code(), ErrorCode::bad_input);
+      EXPECT_NE(std::string(error.what()).find(reason), std::string::npos) << error.what();
+    }
 }
 
 /// What progress told: (phase, fraction) in order, without what it told again.

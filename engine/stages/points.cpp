@@ -12,8 +12,6 @@ namespace vasamesh {
 
 namespace {
 
-constexpr std::int64_t kMaxSize = 1 << 20;  // voxels along an axis
-
 /// Bricks of the whole volume that hold outer boundary voxels, in raster order, and their octants.
 struct Marked {
   std::vector<BrickCoord> coords;
@@ -70,12 +68,7 @@ Scale make_scale(const Geometry& geometry) {
 BitVolume pack_volume(Backend& backend, const VolumeView& volume) {
   BitVolume bits;
   for (int axis = 0; axis < 3; ++axis) {
-    const std::int64_t size = volume.geometry.size[axis];
-    if (size < 1 || size > kMaxSize)
-      throw Error(ErrorCode::bad_input, "the volume has " + std::to_string(size) +
-                                            " voxels along an axis: give 1 to " +
-                                            std::to_string(kMaxSize));
-    bits.size[axis] = static_cast<int>((size + 2 * kPad + 7) / 8 * 8);
+    bits.size[axis] = static_cast<int>((volume.geometry.size[axis] + 2 * kPad + 7) / 8 * 8);
   }
   bits.words_per_row = (bits.size[0] + 63) / 64;
   bits.words = Buffer<std::uint64_t>(backend, bits.view().word_count());

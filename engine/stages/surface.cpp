@@ -2,9 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <limits>
-#include <string>
 
 #include "types/volume.h"
 #include "vasamesh/errors.h"
@@ -43,45 +40,7 @@ Affine voxel_to_space(const Geometry& geometry, Space space) {
   return affine;
 }
 
-/// The largest coordinate that the volume reaches, without its sign.
-double farthest_coordinate(const Geometry& geometry, Space space) {
-  const Affine affine = voxel_to_space(geometry, space);
-  double farthest = 0;
-  for (std::size_t row = 0; row < 3; ++row) {
-    double least = affine.offset[row], most = affine.offset[row];
-    for (std::size_t column = 0; column < 3; ++column) {
-      const double entry = affine.matrix[3 * row + column];
-      const auto [a, b] =
-          std::minmax({entry * kPad, entry * (kPad + static_cast<double>(geometry.size[column]))});
-      least += a;
-      most += b;
-    }
-    farthest = std::max({farthest, -least, most});
-  }
-  return farthest;
-}
-
-/// From a float32 to the next.
-double float_step(double value) {
-  using Limits = std::numeric_limits<float>;
-  const auto rounded = static_cast<float>(std::min(value, double{Limits::max()}));
-  return double{std::nextafter(rounded, Limits::infinity())} - rounded;
-}
-
 }  // namespace
-
-void check_resolution(const Geometry& geometry, Space space) {
-  constexpr double kCoarsest = 0.05;
-  if (space == Space::voxel) return;  // no axis has voxels enough
-  const double spacing = *std::min_element(geometry.spacing.begin(), geometry.spacing.end());
-  const double farthest = farthest_coordinate(geometry, space);
-  if (float_step(farthest) <= kCoarsest * spacing) return;
-  throw Error(ErrorCode::bad_input,
-              "the volume reaches out to " +
-                  std::to_string(std::llround(std::min(farthest, 1e18))) +
-                  " mm, where float32 coordinates are more than 5 % of its spacing apart: use "
-                  "--space voxel, or correct its origin");
-}
 
 TriangleMesh extract_base_surface(Backend& backend, const Lattice& lattice) {
   const BrickView bricks = lattice.bricks.view();

@@ -18,10 +18,6 @@ inline constexpr float kVertexMargin = 0.05f;
 /// The surface in padded voxel units.
 TriangleMesh extract_base_surface(Backend& backend, const Lattice& lattice);
 
-/// \throws Error bad_input, when the volume lies so far out that float32 coordinates in the space
-///         are more than 5 % of the smallest spacing apart, too coarse for a proof.
-void check_resolution(const Geometry& geometry, Space space);
-
 /// Takes vertices from padded voxel units to mm in the space that is asked for, in double, and
 /// turns the triangles where the geometry (or the space) mirrors.
 void place_in_space(Backend& backend, const Geometry& geometry, Space space, TriangleMesh& mesh);

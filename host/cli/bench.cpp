@@ -20,11 +20,12 @@ using Json = nlohmann::ordered_json;
 
 double percent(double part, double whole) { return whole > 0 ? 100 * part / whole : 0; }
 
-/// Seconds of the same stage on one oneTBB thread, where that was measured; else 0.
+/// Seconds of the same stage, or of all, on one oneTBB thread, where that was measured; else 0.
 double one_thread_seconds(const std::vector<BenchWay>& ways, const BenchTable& table,
                           const std::string& stage) {
   for (std::size_t i = 0; i < ways.size(); ++i) {
     if (ways[i].name != "tbb 1") continue;
+    if (stage == "all") return table.runs[i].seconds;
     for (const BenchStage& row : table.runs[i].stages)
       if (row.name == stage) return row.seconds;
   }
@@ -60,7 +61,7 @@ void print_run(const std::vector<BenchWay>& ways, const BenchTable& table, std::
              "agrees");
   for (const BenchStage& stage : run.stages)
     print_stage(way, run, stage, one_thread_seconds(ways, table, stage.name));
-  const double one = ways[0].name == "tbb 1" ? table.runs[0].seconds : 0;
+  const double one = one_thread_seconds(ways, table, "all");
   fmt::print(
       "  {:<18}{:>9.1f}  {} times tbb 1; buffers {:.0f} MB at most; cancelled within {:.0f} ms\n",
       "all", 1e3 * run.seconds, or_dash(one / run.seconds, "{:.2f}"),

@@ -228,6 +228,7 @@ CLI::App* add_phantom(CLI::App& app, PhantomRequest& request) {
       ->required();
   phantom->add_option("--surface", request.surface, "Also write the exact surface");
   phantom->add_option("--seed", request.options.seed, "Of trees and speckle")
+      ->check(CLI::Range(std::int64_t{0}, std::numeric_limits<std::int64_t>::max()))
       ->capture_default_str();
   phantom->add_option("--size", request.options.size, "Voxels along each axis")->type_name("X Y Z");
   phantom->add_option("--spacing", request.options.spacing, "Voxel size along each axis, mm")
@@ -267,7 +268,8 @@ CLI::App* add_bench(CLI::App& app, BenchRequest& request) {
   bench->add_option("--backends", request.backends, "tbb, opencl; all that are here")
       ->check(CLI::IsMember({"tbb", "opencl"}))
       ->delimiter(',');
-  bench->add_option("--device", request.device, "Number of an OpenCL device; all");
+  bench->add_option("--device", request.device,
+                    "OpenCL device: its number, type or a part of its name; all");
   bench->add_option("--threads", request.threads, "Of oneTBB, as 1,2; 1, 2, 4 and so on")
       ->check(CLI::Range(1, 4096))
       ->delimiter(',');

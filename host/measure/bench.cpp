@@ -1,12 +1,16 @@
 #include "measure/bench.h"
 
+#include <tbb/global_control.h>
+
 #include <algorithm>
 #include <chrono>
+#include <iterator>
 #include <map>
 #include <string_view>
 #include <thread>
 
 #include "backend/backend.h"
+#include "device_choice.h"
 #include "measure/machine.h"
 #include "tbb/backend.h"
 #include "vasamesh/errors.h"
@@ -54,7 +58,9 @@ BenchWay tbb_way(const DeviceInfo& cpu, int threads) {
   way.context.threads = threads;
   way.name = "tbb " + std::to_string(threads);
   way.device = cpu.name;
-  way.speed = {measure_bandwidth(threads), measure_arithmetic(threads)};
+  const int at_once =
+      std::clamp(threads, 1, std::max(1, static_cast<int>(std::thread::hardware_concurrency())));
+  way.speed = {measure_bandwidth(at_once), measure_arithmetic(at_once)};
   return way;
 }
 
@@ -90,7 +96,8 @@ class Digest {
   std::uint64_t value_ = 0xcbf29ce484222325u;
 };
 
-/// What each stage has come to, as far as the result tells: counts, residuals, the surface itself.
+/// What each stage has come to, as far as the result tells: counts, residuals, the surface itself,
+/// which also stands for the stages that are not named.
 std::map<std::string, std::uint64_t> digests(const Result& result) {
   const Report& report = result.report;
   Digest input, points, octree, poisson, topology, surface, quality;
@@ -199,18 +206,23 @@ std::vector<BenchWay> bench_ways(const std::vector<std::string>& backends,
     for (const int n : threads.empty() ? usual_threads() : threads)
       ways.push_back(tbb_way(devices[0], capped_threads(n)));
   if (!asked("opencl")) return ways;
-  for (const DeviceInfo& info : devices)
-    if (info.backend == "opencl" && (device.empty() || device == std::to_string(info.number)))
-      ways.push_back(opencl_way(info));
-  const bool found = !ways.empty() && ways.back().context.backend == "opencl";
-  if (!found && !backends.empty())
+  std::vector<DeviceInfo> on;
+  std::copy_if(devices.begin(), devices.end(), std::back_inserter(on),
+               [](const DeviceInfo& info) { return info.backend == "opencl"; });
+  if (on.empty() && !backends.empty())
     throw Error(ErrorCode::no_device,
                 "--backends opencl: no such device here: see vasamesh devices");
+  if (!device.empty()) on = {choose_device(on, device, "--device")};
+  for (const DeviceInfo& info : on) ways.push_back(opencl_way(info));
   return ways;
 }
 
 BenchTable bench(const VolumeView& volume, const Parameters& parameters,
                  const std::vector<BenchWay>& ways, int repeat) {
+  int most = static_cast<int>(std::thread::hardware_concurrency());
+  for (const BenchWay& way : ways) most = std::max(most, way.context.threads);
+  const tbb::global_control as_many(tbb::global_control::max_allowed_parallelism,
+                                    static_cast<std::size_t>(std::max(most, 1)));
   BenchTable table;
   std::map<std::string, std::uint64_t> wanted;
   for (const BenchWay& way : ways) {
@@ -220,10 +232,13 @@ BenchTable bench(const VolumeView& volume, const Parameters& parameters,
     table.object_voxels = result.report.input.object_voxels;
     table.points = result.report.points;
     table.triangles = static_cast<std::int64_t>(result.mesh.triangle_count());
-    auto got = digests(result);
+    const auto got = digests(result);
     if (wanted.empty()) wanted = got;
     BenchRun& run = table.runs.emplace_back(runner.run());
-    for (BenchStage& stage : run.stages) stage.agrees = got[stage.name] == wanted[stage.name];
+    for (BenchStage& stage : run.stages) {
+      const std::string name = got.contains(stage.name) ? stage.name : "surface";
+      stage.agrees = got.at(name) == wanted.at(name);
+    }
   }
   table.voxels = volume.geometry.size[0] * volume.geometry.size[1] * volume.geometry.size[2];
   return table;

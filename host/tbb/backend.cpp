@@ -1,5 +1,7 @@
 #include "tbb/backend.h"
 
+#include <tbb/global_control.h>
+
 #include <algorithm>
 #include <bit>
 #include <cstring>
@@ -26,6 +28,14 @@ std::size_t block_size(std::size_t bytes) {
 constexpr std::size_t kBlock = 16384;                     // elements a task of the primitives takes
 constexpr std::size_t kCopyBytes = std::size_t{1} << 20;  // that a task of a copy takes
 
+/// How many an arena of one's own has: oneTBB starts no more than the process allows.
+int arena_threads(int asked) {
+  if (asked <= 0) return tbb::task_arena::automatic;
+  const std::size_t allowed =
+      tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
+  return static_cast<int>(std::min<std::size_t>(capped_threads(asked), allowed));
+}
+
 }  // namespace
 
 int capped_threads(int asked) {
@@ -42,8 +52,7 @@ std::shared_ptr<Backend> make_tbb_backend(int threads, void* task_arena,
 TbbBackend::TbbBackend(int threads, void* task_arena, std::shared_ptr<ByteAccount> total)
     : arena_(static_cast<tbb::task_arena*>(task_arena)), account_(std::move(total)) {
   if (arena_) return;
-  own_arena_ = std::make_unique<tbb::task_arena>(threads > 0 ? capped_threads(threads)
-                                                             : int{tbb::task_arena::automatic});
+  own_arena_ = std::make_unique<tbb::task_arena>(arena_threads(threads));
   arena_ = own_arena_.get();
 }
 

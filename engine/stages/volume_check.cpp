@@ -1,0 +1,89 @@
+#include "stages/volume_check.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "types/volume.h"
+#include "vasamesh/errors.h"
+
+namespace vasamesh {
+
+namespace {
+
+constexpr std::int64_t kMaxSize = 1 << 20;  // voxels along an axis
+constexpr double kLeastSpacing = 1e-6, kMostSpacing = 1e4;
+constexpr double kOrthonormal = 1e-3;   // error of the products of axes
+constexpr double kCoarsestStep = 0.05;  // of the smallest spacing
+
+[[noreturn]] void refuse(const std::string& reason) { throw Error(ErrorCode::bad_input, reason); }
+
+void check_size(const Geometry& geometry) {
+  for (const std::int64_t size : geometry.size)
+    if (size < 1 || size > kMaxSize)
+      refuse("the volume has " + std::to_string(size) + " voxels along an axis: give 1 to " +
+             std::to_string(kMaxSize));
+}
+
+void check_spacing(const Geometry& geometry) {
+  for (const double spacing : geometry.spacing)
+    if (!(spacing >= kLeastSpacing && spacing <= kMostSpacing))
+      refuse("the volume's spacing is " + std::to_string(spacing) + " mm: give 1e-6 to 1e4 mm");
+}
+
+void check_axes(const Geometry& geometry) {
+  for (const double origin : geometry.origin)
+    if (!std::isfinite(origin)) refuse("the volume's origin is not finite: give mm");
+  for (std::size_t a = 0; a < 3; ++a)
+    for (std::size_t b = a; b < 3; ++b) {
+      double product = 0;
+      for (std::size_t row = 0; row < 3; ++row)
+        product += geometry.direction[3 * row + a] * geometry.direction[3 * row + b];
+      if (!(std::fabs(product - (a == b ? 1 : 0)) <= kOrthonormal))
+        refuse("the volume's direction is sheared or scaled: give orthonormal columns");
+    }
+}
+
+/// At least the largest coordinate that the padded volume reaches, without its sign.
+double farthest_coordinate(const Geometry& geometry) {
+  double reach = 0, origin = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double length =
+        geometry.spacing[axis] * (static_cast<double>(geometry.size[axis]) + kPad);
+    reach += length * length;
+    origin = std::max(origin, std::fabs(geometry.origin[axis]));
+  }
+  return origin + std::sqrt(reach);
+}
+
+/// From a float32 to the next.
+double float_step(double value) {
+  using Limits = std::numeric_limits<float>;
+  const auto rounded = static_cast<float>(std::min(value, double{Limits::max()}));
+  return double{std::nextafter(rounded, Limits::infinity())} - rounded;
+}
+
+void check_resolution(const Geometry& geometry) {
+  const double spacing = *std::min_element(geometry.spacing.begin(), geometry.spacing.end());
+  const double farthest = farthest_coordinate(geometry);
+  if (float_step(farthest) > kCoarsestStep * spacing)
+    refuse("the volume reaches out to " + std::to_string(std::llround(std::min(farthest, 1e18))) +
+           " mm, where float32 coordinates are more than 5 % of its spacing apart: use --space "
+           "voxel, or correct its origin");
+}
+
+}  // namespace
+
+void check_volume(const VolumeView& volume, Space space) {
+  if (!volume.data) refuse("the volume has no voxels: give their address");
+  if (volume.format != VoxelFormat::bytes && volume.format != VoxelFormat::bits)
+    refuse("the volume's format is none: give bytes or bits");
+  check_size(volume.geometry);
+  check_spacing(volume.geometry);
+  check_axes(volume.geometry);
+  if (space != Space::voxel) check_resolution(volume.geometry);  // there no axis is long enough
+}
+
+}  // namespace vasamesh
