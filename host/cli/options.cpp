@@ -228,7 +228,7 @@ CLI::App* add_phantom(CLI::App& app, PhantomRequest& request) {
       ->required();
   phantom->add_option("--surface", request.surface, "Also write the exact surface");
   phantom->add_option("--seed", request.options.seed, "Of trees and speckle")
-      ->check(CLI::Range(std::int64_t{0}, std::numeric_limits<std::int64_t>::max()))
+      ->check(CLI::Range(0.0, 1e15))
       ->capture_default_str();
   phantom->add_option("--size", request.options.size, "Voxels along each axis")->type_name("X Y Z");
   phantom->add_option("--spacing", request.options.spacing, "Voxel size along each axis, mm")
