@@ -4,10 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstdlib>
+#include <string>
 
 #include "io/surface_io.h"
 #include "io/volume_reader.h"
+#include "support/scans.h"
 
 namespace vasamesh {
 namespace {
@@ -32,10 +33,10 @@ const Scan kScans[] = {
 class RealScans : public ::testing::TestWithParam<Scan> {};
 
 TEST_P(RealScans, SizeSpacingAndVoxels) {
-  const char* folder = std::getenv("VASAMESH_TEST_DATA");
-  if (!folder) GTEST_SKIP() << "VASAMESH_TEST_DATA is not set";
   const Scan& scan = GetParam();
-  const Segmentation read = read_segmentation(std::string(folder) + "/" + scan.name + ".nii.gz");
+  const auto path = test::scan_path(std::string(scan.name) + ".nii.gz");
+  if (!path) GTEST_SKIP() << "VASAMESH_TEST_DATA is not set";
+  const Segmentation read = read_segmentation(*path);
   EXPECT_EQ(read.geometry.size, scan.size);
   for (int i = 0; i < 3; ++i) EXPECT_NEAR(read.geometry.spacing[i], scan.spacing[i], 5e-4);
   EXPECT_EQ(std::count(read.voxels.begin(), read.voxels.end(), 1), scan.voxels);
@@ -46,11 +47,11 @@ INSTANTIATE_TEST_SUITE_P(All, RealScans, ::testing::ValuesIn(kScans),
 
 // The surface that hepatic_veins was voxelised from lies where the volume is; it is in RAS.
 TEST(RealSurface, LiesInItsVolume) {
-  const char* folder = std::getenv("VASAMESH_TEST_DATA");
-  if (!folder) GTEST_SKIP() << "VASAMESH_TEST_DATA is not set";
-  const std::string name = std::string(folder) + "/hepatic_veins";
-  const TriangleMesh mesh = read_surface(name + ".vtk");
-  const Geometry geometry = read_segmentation(name + ".nii.gz").geometry;
+  const auto surface = test::scan_path("hepatic_veins.vtk"),
+             volume = test::scan_path("hepatic_veins.nii.gz");
+  if (!surface) GTEST_SKIP() << "VASAMESH_TEST_DATA is not set";
+  const TriangleMesh mesh = read_surface(*surface);
+  const Geometry geometry = read_segmentation(*volume).geometry;
   EXPECT_GT(mesh.triangle_count(), 1000u);
   for (int axis = 0; axis < 3; ++axis) {
     const double ras = axis < 2 ? -1 : 1;

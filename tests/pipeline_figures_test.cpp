@@ -7,7 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
+#include <string>
 
 #include "io/marching_cubes.h"
 #include "stages/distance.h"
@@ -15,6 +15,7 @@
 #include "support/cases.h"
 #include "support/dense_volume.h"
 #include "support/invariants.h"
+#include "support/scans.h"
 #include "tbb/backend.h"
 #include "vasamesh/host.h"
 #include "vasamesh/pipeline.h"
@@ -172,9 +173,9 @@ INSTANTIATE_TEST_SUITE_P(All, Noise,
 class Scans : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(Scans, ProvenAndNearMarchingCubes) {
-  const char* folder = std::getenv("VASAMESH_TEST_DATA");
-  if (!folder) GTEST_SKIP() << "VASAMESH_TEST_DATA is not set";
-  const Segmentation scan = read_segmentation(std::string(folder) + "/" + GetParam() + ".nii.gz");
+  const auto path = scan_path(std::string(GetParam()) + ".nii.gz");
+  if (!path) GTEST_SKIP() << "VASAMESH_TEST_DATA is not set";
+  const Segmentation scan = read_segmentation(*path);
   const Result result = convert(scan.view(), {}, context());
   expect_passed(result);
   expect_near_marching_cubes(result.mesh, scan, kMeanOnScans);

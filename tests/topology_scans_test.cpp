@@ -4,13 +4,14 @@
 
 #include <gtest/gtest.h>
 
-#include <cstdlib>
+#include <string>
 
 #include "io/volume_reader.h"
 #include "reference/topology.h"
 #include "stages/points.h"
 #include "stages/topology_count.h"
 #include "support/dense_volume.h"
+#include "support/scans.h"
 #include "tbb/backend.h"
 
 namespace vasamesh::test {
@@ -19,12 +20,11 @@ namespace {
 class TopologyOfScans : public testing::Test {
  protected:
   void SetUp() override {
-    if (!std::getenv("VASAMESH_TEST_DATA")) GTEST_SKIP() << "VASAMESH_TEST_DATA is not set";
+    if (!scan_path("")) GTEST_SKIP() << "VASAMESH_TEST_DATA is not set";
   }
 
   static Segmentation read(const char* name) {
-    return read_segmentation(std::string(std::getenv("VASAMESH_TEST_DATA")) + "/" + name +
-                             ".nii.gz");
+    return read_segmentation(*scan_path(std::string(name) + ".nii.gz"));
   }
 
   Solid examine(const Segmentation& scan, Connectivity connectivity) {
