@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "stages/bricks.h"
-#include "vasamesh/errors.h"
+#include "stages/volume_check.h"
 
 namespace vasamesh {
 
@@ -66,6 +66,7 @@ Scale make_scale(const Geometry& geometry) {
 }
 
 BitVolume pack_volume(Backend& backend, const VolumeView& volume) {
+  check_size(volume.geometry);
   BitVolume bits;
   for (int axis = 0; axis < 3; ++axis) {
     bits.size[axis] = static_cast<int>((volume.geometry.size[axis] + 2 * kPad + 7) / 8 * 8);

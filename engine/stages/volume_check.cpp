@@ -6,7 +6,6 @@
 #include <limits>
 #include <string>
 
-#include "types/volume.h"
 #include "vasamesh/errors.h"
 
 namespace vasamesh {
@@ -19,13 +18,6 @@ constexpr double kOrthonormal = 1e-3;   // error of the products of axes
 constexpr double kCoarsestStep = 0.05;  // of the smallest spacing
 
 [[noreturn]] void refuse(const std::string& reason) { throw Error(ErrorCode::bad_input, reason); }
-
-void check_size(const Geometry& geometry) {
-  for (const std::int64_t size : geometry.size)
-    if (size < 1 || size > kMaxSize)
-      refuse("the volume has " + std::to_string(size) + " voxels along an axis: give 1 to " +
-             std::to_string(kMaxSize));
-}
 
 void check_spacing(const Geometry& geometry) {
   for (const double spacing : geometry.spacing)
@@ -46,12 +38,11 @@ void check_axes(const Geometry& geometry) {
     }
 }
 
-/// At least the largest coordinate that the padded volume reaches, without its sign.
+/// The largest coordinate that the volume may reach, without its sign, whatever its direction.
 double farthest_coordinate(const Geometry& geometry) {
   double reach = 0, origin = 0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double length =
-        geometry.spacing[axis] * (static_cast<double>(geometry.size[axis]) + kPad);
+    const double length = geometry.spacing[axis] * static_cast<double>(geometry.size[axis]);
     reach += length * length;
     origin = std::max(origin, std::fabs(geometry.origin[axis]));
   }
@@ -69,12 +60,20 @@ void check_resolution(const Geometry& geometry) {
   const double spacing = *std::min_element(geometry.spacing.begin(), geometry.spacing.end());
   const double farthest = farthest_coordinate(geometry);
   if (float_step(farthest) > kCoarsestStep * spacing)
-    refuse("the volume reaches out to " + std::to_string(std::llround(std::min(farthest, 1e18))) +
+    refuse("the volume reaches out to about " +
+           std::to_string(std::llround(std::min(farthest, 1e18))) +
            " mm, where float32 coordinates are more than 5 % of its spacing apart: use --space "
            "voxel, or correct its origin");
 }
 
 }  // namespace
+
+void check_size(const Geometry& geometry) {
+  for (const std::int64_t size : geometry.size)
+    if (size < 1 || size > kMaxSize)
+      refuse("the volume has " + std::to_string(size) + " voxels along an axis: give 1 to " +
+             std::to_string(kMaxSize));
+}
 
 void check_volume(const VolumeView& volume, Space space) {
   if (!volume.data) refuse("the volume has no voxels: give their address");

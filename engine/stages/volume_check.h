@@ -15,4 +15,7 @@ namespace vasamesh {
 ///         smallest spacing apart, too coarse for a proof.
 void check_volume(const VolumeView& volume, Space space);
 
+/// \throws Error bad_input, when there are no or more than 2^20 voxels along an axis.
+void check_size(const Geometry& geometry);
+
 }  // namespace vasamesh
