@@ -5,6 +5,7 @@
 #include <cmath>
 #include <string>
 
+#include "stages/polygonize.h"
 #include "vasamesh/errors.h"
 
 namespace vasamesh {
@@ -27,7 +28,7 @@ bool within(double value, double least, double most) {
 }
 
 void validate(const EdgeLengths& e) {
-  constexpr double kLeast = 1e-3, kLeastEdge = 0.1, kLongestEdge = 100;
+  constexpr double kLeast = 1e-3;
   constexpr std::int64_t kMostTriangles = 1'000'000'000;
   if (!within(e.rho, kLeast, 2)) out_of_range("--rho", "0.001 to 2");
   if (e.edges_around != 0 && !within(e.edges_around, 4, 100))

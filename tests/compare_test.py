@@ -360,9 +360,7 @@ class Pictures(unittest.TestCase):
             writer.SetInputConnection(plane.GetOutputPort())
             writer.SetFileName(str(folder / "scan.vtk"))
             writer.Write()
-            reader.SetFileName(
-                str(reference_beside(folder / "scan.nii.gz", folder / "copy.ply"))
-            )
+            reader.SetFileName(str(reference_beside(folder / "scan.nii.gz", folder / "copy.ply")))
             reader.Update()
         self.assertEqual(reader.GetOutput().GetBounds(), (-5, -1, -7, -2, 3, 3))
 

@@ -39,7 +39,6 @@ constexpr float kFactors[] = {0.7f, 0.5f, 0.35f, 0};  // of the edges in a place
 constexpr float kPlace = 2.5f;                        // longest edges: a place's radius,
 constexpr float kWidePlace = 4;  // voxel lengths: or one edge where that would be more than this
 constexpr float kMargin = 1.2f;  // longest edges: the front's room
-constexpr float kLeastEdge = 0.1f, kLongestEdge = 100;  // voxel lengths
 
 SizeRule rule_of(const EdgeLengths& edges) {
   constexpr double kTwoPi = 6.283185307179586;
@@ -122,7 +121,8 @@ void Polygonizer::aim() {
     const double ratio = sizes_.predicted_triangles / triangles;
     if (std::fabs(ratio - 1) < 0.005) return;
     factor *= static_cast<float>(std::sqrt(ratio));
-    factor = std::clamp(factor, kLeastEdge / asked_.edge_min, kLongestEdge / asked_.edge_max);
+    factor = std::clamp(factor, static_cast<float>(kLeastEdge) / asked_.edge_min,
+                        static_cast<float>(kLongestEdge) / asked_.edge_max);
     rule_ = scaled(asked_, factor);
     apply_rule(sizing(), field_, base_, rule_, {}, sizes_);
   }

@@ -35,9 +35,11 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
+int processors() { return std::max(1, static_cast<int>(std::thread::hardware_concurrency())); }
+
 std::vector<int> usual_threads() {
   std::vector<int> threads;
-  const int most = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  const int most = processors();
   for (int n = 1; n < most; n *= 2) threads.push_back(n);
   threads.push_back(most);
   return threads;
@@ -58,8 +60,7 @@ BenchWay tbb_way(const DeviceInfo& cpu, int threads) {
   way.context.threads = threads;
   way.name = "tbb " + std::to_string(threads);
   way.device = cpu.name;
-  const int at_once =
-      std::clamp(threads, 1, std::max(1, static_cast<int>(std::thread::hardware_concurrency())));
+  const int at_once = std::clamp(threads, 1, processors());
   way.speed = {measure_bandwidth(at_once), measure_arithmetic(at_once)};
   return way;
 }
@@ -219,10 +220,10 @@ std::vector<BenchWay> bench_ways(const std::vector<std::string>& backends,
 
 BenchTable bench(const VolumeView& volume, const Parameters& parameters,
                  const std::vector<BenchWay>& ways, int repeat) {
-  int most = static_cast<int>(std::thread::hardware_concurrency());
+  int most = processors();
   for (const BenchWay& way : ways) most = std::max(most, way.context.threads);
   const tbb::global_control as_many(tbb::global_control::max_allowed_parallelism,
-                                    static_cast<std::size_t>(std::max(most, 1)));
+                                    static_cast<std::size_t>(most));
   BenchTable table;
   std::map<std::string, std::uint64_t> wanted;
   for (const BenchWay& way : ways) {
