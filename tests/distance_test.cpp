@@ -145,6 +145,7 @@ TEST(Distance, RefusesWhatHasNoDistance) {
     EXPECT_THROW(measure(mesh, tetrahedron()), Error);
     EXPECT_THROW(measure(tetrahedron(), mesh), Error);
   }
+  EXPECT_THROW(measure(tetrahedron(), tetrahedron(), 0), Error);
 }
 
 }  // namespace

@@ -215,6 +215,9 @@ DistanceReport measure_distance(Backend& backend, const TriangleMesh& surface,
                                 const TriangleMesh& reference, double voxel, double step) {
   require_usable(surface, "the surface");
   require_usable(reference, "the reference surface");
+  if (!(step * voxel > 0))
+    throw Error(ErrorCode::bad_input,
+                "the reference surface has no area: give a closed triangle surface");
   const TriangleTree surface_tree = build_triangle_tree(backend, surface);
   const TriangleTree reference_tree = build_triangle_tree(backend, reference);
   DistanceReport report;

@@ -34,7 +34,8 @@ struct DistanceReport {
 /// \param voxel  length of a voxel in mm (geometric mean of the spacings), above zero.
 /// \param step  largest distance of neighbouring samples, in voxels, above zero: a triangle is cut
 ///        into n^2 equal ones, n the longest edge over the step, with a sample at each centroid.
-/// \throws Error bad_input, when either surface has no triangle or a vertex that is not finite.
+/// \throws Error bad_input, when either surface has no triangle or a vertex that is not finite, or
+///         the samples would lie no distance apart (a voxel taken from a reference without area).
 DistanceReport measure_distance(Backend& backend, const TriangleMesh& surface,
                                 const TriangleMesh& reference, double voxel, double step = 0.25);
 

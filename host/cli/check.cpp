@@ -80,12 +80,33 @@ CheckReport check_against(Backend& backend, const PlacedSurface& surface,
   return check_surface(backend, surface.mesh, &wanted);
 }
 
-/// The surface that distances are measured to: a file's, or marching cubes of the volume.
-std::optional<TriangleMesh> reference_surface(const CheckRequest& request,
-                                              const std::optional<Segmentation>& volume) {
-  if (!request.reference.empty()) return read_surface(request.reference);
-  if (volume) return marching_cubes(*volume);
+/// The surface that distances are measured to: a file's, in the examined one's space where it names
+/// none, or marching cubes of the volume.
+std::optional<PlacedSurface> reference_surface(const CheckRequest& request, Space space,
+                                               const std::optional<Segmentation>& volume) {
+  if (!request.reference.empty()) {
+    PlacedSurface reference = read_placed_surface(request.reference);
+    reference.space = reference.space.value_or(space);
+    return reference;
+  }
+  if (volume) return PlacedSurface{marching_cubes(*volume), Space::lps};
   return std::nullopt;
+}
+
+/// Both surfaces in LPS, where they are not in one space already.
+void bring_together(const CheckRequest& request, const std::optional<Segmentation>& volume,
+                    PlacedSurface& surface, PlacedSurface& reference) {
+  if (*surface.space == *reference.space) return;
+  if (!volume && (*surface.space == Space::voxel || *reference.space == Space::voxel))
+    throw Error(ErrorCode::usage, request.surface + " is in the space " +
+                                      space_name(*surface.space) + ", " + request.reference +
+                                      " in " + space_name(*reference.space) +
+                                      ": give their volume by --against");
+  const Geometry geometry = volume ? volume->geometry : Geometry{};
+  for (PlacedSurface* each : {&surface, &reference}) {
+    move_to_lps(each->mesh, *each->space, geometry);
+    each->space = Space::lps;
+  }
 }
 
 void write_map(Backend& backend, const CheckRequest& request, const PlacedSurface& surface,
@@ -132,13 +153,14 @@ Examination examine(const CheckRequest& request) {
   const PrincipalCurvatures curvatures = principal_curvatures(backend, mesh);
   result.curvature = describe_weighted(curvatures.rms(), curvatures.area);
   if (!request.map.empty()) write_map(backend, request, surface, curvatures);
-  if (const auto reference = reference_surface(request, volume)) {
+  if (auto reference = reference_surface(request, *surface.space, volume)) {
+    bring_together(request, volume, surface, *reference);
+    const std::size_t triangles = reference->mesh.triangle_count();
     const double voxel =
         volume ? voxel_length(volume->geometry)
-               : sampling_length(measure_quality(backend, *reference), reference->triangle_count());
-    if (request.reference.empty()) move_to_lps(mesh, *surface.space, volume->geometry);
-    result.distance = measure_distance(backend, mesh, *reference, voxel);
-    result.reference_triangles = reference->triangle_count();
+               : sampling_length(measure_quality(backend, reference->mesh), triangles);
+    result.distance = measure_distance(backend, mesh, reference->mesh, voxel);
+    result.reference_triangles = triangles;
   }
   return result;
 }

@@ -212,8 +212,7 @@ CLI::App* add_check(CLI::App& app, CheckRequest& request) {
   add_connectivity(check, request.connectivity);
   for (const char* name : {"--label", "--threshold", "--connectivity"})
     check->get_option(name)->needs(against);
-  add_space(check, request.space, "Space of SURFACE, for --against",
-            "what the file says, else lps");
+  add_space(check, request.space, "Space of SURFACE", "what the file says, else lps");
   add_threads(check, request.threads);
   check->add_flag("--json", request.json, "Print JSON");
   check->add_option("--map", request.map, "Write the curvatures and shapes on the surface, .vtp");
