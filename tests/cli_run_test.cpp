@@ -83,6 +83,43 @@ TEST(Check, ASurfaceHasNoDistanceToItself) {
   EXPECT_FALSE(report["distance"].contains("voxel_mm"));
 }
 
+TEST(Check, SurfaceAndReferenceMayLieInDifferentSpaces) {
+  const Scratch folder;
+  run({"phantom", "tree", "--spacing", "0.5", "0.5", "0.8", "-o", folder / "tree.nii.gz"});
+  for (const char* space : {"lps", "ras", "voxel"})
+    run({"convert", folder / "tree.nii.gz", "-o", folder / space + ".ply", "--space", space});
+  for (const auto& [surface, reference] :
+       {std::pair("lps.ply", "ras.ply"), {"ras.ply", "lps.ply"}, {"ras.ply", "ras.ply"}}) {
+    const json report =
+        json::parse(run({"check", folder / surface, "--reference", folder / reference, "--json"}));
+    EXPECT_LT(report["distance"]["to"]["maximum_mm"], 1e-3) << surface << " " << reference;
+  }
+  for (const auto& [surface, reference] :
+       {std::pair("voxel.ply", "ras.ply"), {"lps.ply", "voxel.ply"}}) {
+    const Arguments check = {"check", folder / surface, "--reference", folder / reference,
+                             "--json"};
+    const Outcome outcome = run_program(command(check));
+    EXPECT_EQ(outcome.code, 2) << surface << " " << reference;
+    EXPECT_THAT(outcome.err, HasSubstr("--against"));
+    Arguments with_volume = check;
+    with_volume.insert(with_volume.end(), {"--against", folder / "tree.nii.gz"});
+    const json report = json::parse(run(with_volume));
+    EXPECT_LT(report["distance"]["to"]["maximum_mm"], 1e-3) << surface << " " << reference;
+  }
+}
+
+/// It gives no length for the samples' distance.
+TEST(Check, AReferenceWithoutAreaIsRefused) {
+  const Scratch folder;
+  run({"phantom", "sphere", "--radius", "3", "-o", folder / "sphere.nii", "--surface",
+       folder / "sphere.ply"});
+  write_text(folder / "line.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n");
+  const Outcome outcome =
+      run_program(command({"check", folder / "sphere.ply", "--reference", folder / "line.obj"}));
+  EXPECT_EQ(outcome.code, 3);
+  EXPECT_THAT(outcome.err, HasSubstr("has no area"));
+}
+
 TEST(Check, AFileNameNeedNotBeUtf8) {
   const Scratch folder;
   const std::string surface = folder / "bad\xff\xfe.ply";
@@ -117,6 +154,13 @@ TEST_F(Convert, EachFormatPassesItsCheck) {
   for (const char* name : {"torus.vtp", "torus.stl", "torus.ply", "torus.obj"}) {
     EXPECT_THAT(run({"convert", volume_, "-o", folder_ / name}), HasSubstr(name));
     run({"check", folder_ / name, "--against", volume_});
+  }
+}
+
+TEST_F(Convert, AReportMayHaveAnyEnding) {
+  for (const char* name : {"report.gz", ".gz", "report", "report.json.gz"}) {
+    run({"convert", volume_, "-o", folder_ / "torus.ply", "--report", folder_ / name});
+    EXPECT_TRUE(json::parse(read_text(folder_ / name)).contains("stages")) << name;
   }
 }
 
@@ -372,11 +416,15 @@ Arguments in_shell(const std::string& preparation, const Arguments& arguments) {
   return all;
 }
 
-TEST_F(Convert, GoesOnWithoutItsTerminalUnderNohup) {
+/// As under nohup, or in the background of a script.
+TEST_F(Convert, GoesOnAtSignalsThatAreIgnored) {
   const Arguments arguments = {"convert", volume_, "-o", folder_ / "torus.ply"};
-  const Outcome outcome = interrupt_program(in_shell("trap '' HUP", arguments), "%  read", SIGHUP);
-  EXPECT_EQ(outcome.code, 0);
-  EXPECT_THAT(folder_.names(), ElementsAre("torus.nii.gz", "torus.ply"));
+  for (const int signal : {SIGHUP, SIGINT}) {
+    const Outcome outcome =
+        interrupt_program(in_shell("trap '' HUP INT", arguments), "%  read", signal);
+    EXPECT_EQ(outcome.code, 0);
+    EXPECT_THAT(folder_.names(), ElementsAre("torus.nii.gz", "torus.ply"));
+  }
 }
 
 TEST_F(Convert, ALimitOfAFilesSizeIsAFullDisk) {

@@ -277,6 +277,12 @@ TEST_F(Surfaces, CoordinatesThatAreNotFinite) {
   }
 }
 
+/// As programs write them that count in double.
+TEST_F(Surfaces, CoordinatesTooSmallForAFloatAreNearlyZero) {
+  const std::string path = write("a.obj", "v 1e-46 0 0\nv 1 -2.5e-300 0\nv 0 1 0\nf 1 2 3\n");
+  EXPECT_EQ(read_surface(path).vertices, (std::vector<float>{0, 0, 0, 1, 0, 0, 0, 1, 0}));
+}
+
 TEST_F(Surfaces, TruncatedFiles) {
   const TriangleMesh mesh = random_mesh(300);
   for (const char* name : {"a.vtp", "a.stl", "a.ply"}) {

@@ -29,6 +29,16 @@ TEST(Trial, EndsThatAreSurvived) {
   EXPECT_FALSE(survives(kBytes, [] { throw std::length_error("x"); }));
 }
 
+TEST(Trial, AnInterruptIsNoFaultOfTheFile) {
+  signal(SIGINT, SIG_DFL);  // a shell may have it ignored
+  try {
+    survives(kBytes, [] { std::raise(SIGINT); });
+    ADD_FAILURE();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::cancelled);
+  }
+}
+
 TEST(Trial, AnErrorComesThrough) {
   const std::string text(100'000, 'x');  // more than a pipe holds
   try {

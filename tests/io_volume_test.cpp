@@ -331,6 +331,23 @@ TEST(MetaAndNrrd, UnitsOfNrrdBecomeMillimetres) {
   }
 }
 
+TEST(MetaAndNrrd, UnitsOfMetaImageBecomeMillimetres) {
+  const Scratch scratch;
+  const std::pair<const char*, double> units[] = {
+      {"um", 1e-3}, {"mm", 1}, {"cm", 10}, {"?", 1}, {"", 1}};
+  for (const auto& [unit, in_mm] : units) {
+    SCOPED_TRACE(unit);
+    const std::string lines =
+        "ElementSpacing = 2 3 4\nOffset = 10 20 30\nDistanceUnits = " + std::string(unit) + "\n";
+    write_text(scratch / "a.mha", meta_file(3, 4, 5, lines, std::string(60, '\1')));
+    expect_near(read_segmentation(scratch / "a.mha").geometry,
+                {{3, 4, 5},
+                 {2 * in_mm, 3 * in_mm, 4 * in_mm},
+                 {10 * in_mm, 20 * in_mm, 30 * in_mm},
+                 {1, 0, 0, 0, 1, 0, 0, 0, 1}});
+  }
+}
+
 TEST(Shapes, OneSliceTwoAxesAndTrailingAxes) {
   const Scratch scratch;
   nifti_1_header header = nifti_header(3, 2, 1);

@@ -19,7 +19,7 @@ extern "C" void on_signal(int) {
   if (asked.exchange(true) || !ask_first) _exit(static_cast<int>(ErrorCode::cancelled));
 }
 
-/// As nohup has it.
+/// As nohup has SIGHUP, and a shell SIGINT for what runs in the background of a script.
 bool is_ignored(int signal) {
   struct sigaction action = {};
   return sigaction(signal, nullptr, &action) == 0 && action.sa_handler == SIG_IGN;
@@ -33,8 +33,8 @@ void catch_interrupts(bool ask) {
   action.sa_handler = on_signal;
   sigemptyset(&action.sa_mask);
   action.sa_flags = SA_RESTART;
-  for (const int signal : {SIGINT, SIGTERM}) sigaction(signal, &action, nullptr);
-  if (!is_ignored(SIGHUP)) sigaction(SIGHUP, &action, nullptr);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP})
+    if (!is_ignored(signal)) sigaction(signal, &action, nullptr);
   std::signal(SIGXFSZ, SIG_IGN);
 }
 

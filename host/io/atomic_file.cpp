@@ -25,7 +25,9 @@ std::string name_ending(const std::string& path) {
   const std::string name = std::filesystem::path(path).filename().string();
   const std::size_t dot = name.rfind('.');
   if (dot == std::string::npos) return {};
-  return name.ends_with(".gz") ? name.substr(name.rfind('.', dot - 1)) : name.substr(dot);
+  const std::size_t before = dot == 0 ? std::string::npos : name.rfind('.', dot - 1);
+  const bool both = name.ends_with(".gz") && before != std::string::npos;
+  return name.substr(both ? before : dot);
 }
 
 std::string temporary_name(const std::string& path) {

@@ -7,6 +7,7 @@
 
 #include "io/io_error.h"
 #include "io/itk_header.h"
+#include "io/length_unit.h"
 #include "io/text_header.h"
 #include "io/volume_formats.h"
 
@@ -66,6 +67,12 @@ void apply_header_size(const TextHeader& header, PixelLayout& layout) {
                                      : std::max(layout.file_offset, file_size(layout.file) - bytes);
 }
 
+/// "?" is MetaIO's word for an unknown one.
+double length_unit(const std::string& path, const TextHeader& header) {
+  const std::string name = header.get("DistanceUnits");
+  return name == "?" ? 1 : unit_in_mm(path, name, "DistanceUnits");
+}
+
 TextHeader read_header(const std::string& path) {
   return read_text_header(path, "=", [](const std::string& key, const std::string&) {
     return key == "ElementDataFile";
@@ -87,6 +94,7 @@ Volume open_meta(const std::string& path) {
   read_itk_header(path, *io);
   Volume volume;
   volume.geometry = itk_geometry(path, *io);
+  take_lengths_in(length_unit(path, header), volume.geometry);
   layout.type = itk_pixel_type(path, *io);
   layout.count = voxel_count(path, volume.geometry);
   apply_header_size(header, layout);

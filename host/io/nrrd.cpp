@@ -13,6 +13,7 @@
 
 #include "io/io_error.h"
 #include "io/itk_header.h"
+#include "io/length_unit.h"
 #include "io/text_header.h"
 #include "io/volume_formats.h"
 
@@ -125,57 +126,20 @@ std::vector<std::string> quoted(const std::string& field) {
   return all;
 }
 
-/// A unit's name as kUnits has it: without the plural, in American spelling.
-std::string unit_name(const std::string& name) {
-  std::string unit = lower_case(name);
-  if (const std::size_t metre = unit.find("metre"); metre != std::string::npos)
-    unit.replace(metre, 5, "meter");
-  if (unit.ends_with("meters") || unit.ends_with("microns")) unit.pop_back();
-  return unit;
-}
-
-/// No unit means mm. The sign of micro is U+00B5, U+03BC or Latin-1's.
-double unit_in_mm(const std::string& path, const std::string& name) {
-  static const std::map<std::string, double> kUnits = {{"", 1},
-                                                       {"nm", 1e-6},
-                                                       {"nanometer", 1e-6},
-                                                       {"um", 1e-3},
-                                                       {"\xc2\xb5m", 1e-3},
-                                                       {"\xce\xbcm", 1e-3},
-                                                       {"\xb5m", 1e-3},
-                                                       {"micron", 1e-3},
-                                                       {"micrometer", 1e-3},
-                                                       {"mm", 1},
-                                                       {"millimeter", 1},
-                                                       {"cm", 10},
-                                                       {"centimeter", 10},
-                                                       {"m", 1e3},
-                                                       {"meter", 1e3}};
-  const auto unit = kUnits.find(unit_name(name));
-  if (unit != kUnits.end()) return unit->second;
-  throw_bad_input(path, "its unit of length is \"" + name + "\"",
-                  "give nm, um, mm, cm or m as the space units in its header");
-}
-
 /// The unit that ITK leaves out: of the space, else of the axes, whose fourth may be time.
 double length_unit(const std::string& path, const TextHeader& header) {
   std::vector<std::string> names = quoted(header.get("space units"));
   if (names.empty()) names = quoted(header.get("units"));
   if (names.empty()) return 1;
   names.resize(std::min<std::size_t>(names.size(), 3));
-  const double unit = unit_in_mm(path, names[0]);
+  const double unit = unit_in_mm(path, names[0], "space units");
   for (const std::string& name : names) {
-    if (unit_in_mm(path, name) == unit) continue;
+    if (unit_in_mm(path, name, "space units") == unit) continue;
     throw_bad_input(path,
                     "its axes have different units, \"" + names[0] + "\" and \"" + name + "\"",
                     "give all lengths in its header in one unit, as mm");
   }
   return unit;
-}
-
-void scale(Geometry& geometry, double factor) {
-  for (double& spacing : geometry.spacing) spacing *= factor;
-  for (double& origin : geometry.origin) origin *= factor;
 }
 
 }  // namespace
@@ -196,7 +160,7 @@ Volume open_nrrd(const std::string& path) {
   layout.type = itk_pixel_type(path, *io);
   volume.geometry = itk_geometry(path, *io);
   place_las(header, volume.geometry);
-  scale(volume.geometry, length_unit(path, header));
+  take_lengths_in(length_unit(path, header), volume.geometry);
   layout.count = voxel_count(path, volume.geometry);
   apply_skips(path, header, layout);
   volume.pixels = make_file_pixels(path, layout);

@@ -29,10 +29,10 @@ std::string_view next_word(std::string_view& text) {
 bool read_vertex(std::string_view text, std::vector<float>& vertices) {
   for (int axis = 0; axis < 3; ++axis) {
     const std::string_view word = next_word(text);
-    float value = 0;
+    double value = 0;  // one too small for a float is no error
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
     if (error != std::errc() || end != word.data() + word.size()) return false;
-    vertices.push_back(value);
+    vertices.push_back(static_cast<float>(value));
   }
   return true;
 }

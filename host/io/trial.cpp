@@ -1,6 +1,7 @@
 #include "io/trial.h"
 
 #include <fcntl.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -10,6 +11,7 @@
 #include <cerrno>
 #include <csignal>
 #include <fstream>
+#include <iterator>
 #include <string>
 
 #include "vasamesh/errors.h"
@@ -19,6 +21,8 @@ namespace {
 
 // A library, or a sanitizer, may end the copy by itself, with 0 or 1.
 enum ExitStatus { kReturned = 90, kThrewError = 91, kThrewOther = 92 };
+
+constexpr int kInterrupts[] = {SIGINT, SIGTERM, SIGHUP};
 
 std::int64_t address_space() {
   long pages = 0;
@@ -33,7 +37,21 @@ void limit_process(std::int64_t most_bytes) {
   getrlimit(RLIMIT_AS, &memory);
   memory.rlim_cur = std::min(memory.rlim_cur, static_cast<rlim_t>(address_space() + most_bytes));
   setrlimit(RLIMIT_AS, &memory);
-  for (const int signal : {SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGILL}) std::signal(signal, SIG_DFL);
+  const rlim_t seconds = 60 + static_cast<rlim_t>(most_bytes >> 27);
+  const rlimit processor{seconds, seconds + 1};
+  setrlimit(RLIMIT_CPU, &processor);
+}
+
+/// Faults and interrupts end the copy, which does not outlive the program.
+void leave_signals() {
+  for (const int signal : {SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGXCPU})
+    std::signal(signal, SIG_DFL);
+  for (const int signal : kInterrupts) {
+    struct sigaction action = {};
+    if (sigaction(signal, nullptr, &action) == 0 && action.sa_handler != SIG_IGN)
+      std::signal(signal, SIG_DFL);
+  }
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
 }
 
 void silence() {
@@ -46,6 +64,7 @@ void silence() {
 [[noreturn]] void run_trial(int pipe, std::int64_t most_bytes, const std::function<void()>& work) {
   silence();
   limit_process(most_bytes);
+  leave_signals();
   try {
     work();
   } catch (const Error& error) {
@@ -82,6 +101,10 @@ bool survives(std::int64_t most_bytes, const std::function<void()>& work) {
   if (child < 0) return true;
   int status = 0;
   while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  if (WIFSIGNALED(status) && std::find(std::begin(kInterrupts), std::end(kInterrupts),
+                                       WTERMSIG(status)) != std::end(kInterrupts)) {
+    throw Error(ErrorCode::cancelled, "interrupted while reading: nothing was written");
   }
   if (!WIFEXITED(status)) return false;
   if (WEXITSTATUS(status) == kThrewError && !message.empty()) {

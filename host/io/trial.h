@@ -9,9 +9,11 @@
 namespace vasamesh {
 
 /// Runs `work` in a copy of this process, which prints nothing, whose changes are lost, and which
-/// may take `most_bytes` of memory beyond what the process has. \return whether it returned: false
-/// after a signal (an assertion of a library, a fault) or an exception that is no Error. True,
-/// without a trial, where no copy can be made. \throws Error the one that `work` throws.
+/// may take `most_bytes` of memory beyond what the process has, and a minute of processor time (a
+/// second more for each 128 MiB of these). \return whether it returned: false after a signal (an
+/// assertion of a library, a fault, the end of its time) or an exception that is no Error. True,
+/// without a trial, where no copy can be made. \throws Error the one that `work` throws; cancelled,
+/// where SIGINT, SIGTERM or SIGHUP ended the copy.
 bool survives(std::int64_t most_bytes, const std::function<void()>& work);
 
 /// What a library may take to read files of `bytes` in all, compressed ones among them.
