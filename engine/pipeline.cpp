@@ -1,6 +1,7 @@
 #include "vasamesh/pipeline.h"
 
 #include <algorithm>
+#include <new>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -213,7 +214,8 @@ struct Converter::State {
   ~State() { keep_memory(false); }
 
   void keep_memory(bool keep) {
-    for (const auto& backend : context.backends) backend->keep_memory(keep);
+    for (const auto& backend : context.backends)
+      if (backend) backend->keep_memory(keep);
   }
 
   Context context;
@@ -233,11 +235,15 @@ Result convert(const VolumeView& volume, const Parameters& parameters, Context& 
   check_volume(volume, parameters.space);
   Scheduler scheduler(context, static_cast<std::size_t>(parameters.max_memory));
   try {
+    try {
+      return run_pipeline(volume, parameters, scheduler);
+    } catch (const DeviceFailure& failure) {
+      scheduler.fall_back(failure);
+    }
     return run_pipeline(volume, parameters, scheduler);
-  } catch (const DeviceFailure& failure) {
-    scheduler.fall_back(failure);
+  } catch (const std::bad_alloc&) {
+    throw Error(ErrorCode::refused, "out of memory: convert a part of the volume");
   }
-  return run_pipeline(volume, parameters, scheduler);
 }
 
 }  // namespace vasamesh

@@ -16,6 +16,10 @@ Scheduler::Scheduler(Context& context, std::size_t max_memory)
     : context_(context), max_memory_(max_memory) {
   if (context.backends.empty())
     throw Error(ErrorCode::usage, "the context has no backend: make it with make_context()");
+  for (const auto& backend : context.backends)
+    if (!backend)
+      throw Error(ErrorCode::usage,
+                  "a backend of the context is null: make it with make_context()");
   for (const auto& backend : context.backends) {
     backend->set_byte_limit(max_memory);
     backend->set_checkpoint([this] { checkpoint(); });

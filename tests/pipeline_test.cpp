@@ -278,6 +278,7 @@ TEST(PipelineInput, AVolumeThatIsNoneIsRefused) {
     add("voxels along an axis").geometry.size[1] = size;
   for (const double spacing : {0.0, -1.0, 1e-300, 1e300, kNaN, kInfinity})
     for (const std::size_t axis : {0, 2}) add("spacing").geometry.spacing[axis] = spacing;
+  add("100-fold").geometry.spacing = {1, 0.5, 51};
   for (const double origin : {kNaN, kInfinity, -kInfinity})
     add("origin").geometry.origin[1] = origin;
   add("direction").geometry.direction.fill(0);

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <random>
 
 #include "reference/points_reference.h"
 #include "support/backend_test.h"
@@ -40,6 +41,22 @@ std::vector<DenseVolume> awkward_volumes() {
 }
 
 std::vector<Scale> scales() { return {kCubes, {0.8606f, 0.8606f, 1.3501f}, {1.9f, 0.7f, 0.752f}}; }
+
+TEST(Scales, AreSpacingsOverTheirGeometricMean) {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> exponent(-6, 4);
+  Geometry geometry;
+  for (int i = 0; i < 200; ++i) {
+    for (double& spacing : geometry.spacing) spacing = std::pow(10.0, exponent(random));
+    const auto& [x, y, z] = geometry.spacing;
+    const double mean = std::cbrt(x * y * z);
+    const Scale scale = make_scale(geometry);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      EXPECT_FLOAT_EQ(scale[axis], static_cast<float>(geometry.spacing[axis] / mean));
+    geometry.spacing.fill(x);
+    EXPECT_EQ(make_scale(geometry), kCubes) << x;
+  }
+}
 
 /// The bits of a padded volume, a byte each.
 DenseVolume unpack(Backend& backend, const std::array<int, 3>& size, int words_per_row,

@@ -71,8 +71,9 @@ class Backend : public Memory {
   /// 0: none. Of all backends that share an account; allocate() throws above it.
   virtual void set_byte_limit(std::size_t bytes) = 0;
 
-  /// Whether released buffers are kept for the next that are asked for (a Converter's, from one
-  /// volume to the next); false gives back what is kept. Backends may ignore it.
+  /// True: released buffers are kept for the next that are asked for (a Converter's, from one
+  /// volume to the next), as many bytes as were ever held at once, none under a limit. False takes
+  /// back one such wish; after the last what is kept is freed. Backends may ignore it.
   virtual void keep_memory(bool /*keep*/) {}
 
   // --- Stopping. ------------------------------------------------------------------------------

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "stages/bricks.h"
+#include "vasamesh/errors.h"
 
 namespace vasamesh {
 
@@ -63,9 +65,12 @@ Lattice build_lattice(Backend& backend, const BitVolume& object, const PointClou
   const std::array<int, 3> radius = free_radius(scale);
   const std::vector<BrickCoord> coords =
       used_bricks(backend, object.view(), candidate_bricks(backend, points), radius);
+  const std::size_t nodes = coords.size() * kBrickCells;
+  if (nodes > std::numeric_limits<std::uint32_t>::max())  // lists of nodes hold their numbers
+    throw Error(ErrorCode::refused,
+                "the surface needs more than 2^32 lattice nodes: convert a part of the volume");
   Lattice lattice;
   lattice.bricks = make_bricks(backend, coords);
-  const std::size_t nodes = coords.size() * kBrickCells;
   lattice.state = Buffer<std::uint8_t>(backend, nodes);
   lattice.values = Buffer<float>(backend, nodes);
   backend.lattice_label(object.view(), static_cast<int>(parameters.connectivity),

@@ -56,11 +56,20 @@ void allot_points(Backend& backend, const BitView& object, const BitView& refine
   points.thickness = Buffer<float>(backend, points.count);
 }
 
+/// Newton's method from a power of two above: the library's last bit is its own. \pre x > 0.
+double cube_root(double x) {
+  int exponent = 0;
+  std::frexp(x, &exponent);
+  double root = std::ldexp(1.0, (exponent + 2) / 3);
+  for (int step = 0; step < 10; ++step) root = (2 * root + x / (root * root)) / 3;
+  return root;
+}
+
 }  // namespace
 
 Scale make_scale(const Geometry& geometry) {
   const auto& s = geometry.spacing;
-  const double voxel = std::cbrt(s[0] * s[1] * s[2]);
+  const double voxel = cube_root(s[0] * s[1] * s[2]);
   return {static_cast<float>(s[0] / voxel), static_cast<float>(s[1] / voxel),
           static_cast<float>(s[2] / voxel)};
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -13,29 +14,28 @@ namespace vasamesh {
 namespace {
 
 constexpr std::int64_t kMaxSize = 1 << 20;  // voxels along an axis
-constexpr double kLeastSpacing = 1e-6, kMostSpacing = 1e4;
+constexpr double kLeastSpacing = 1e-6, kMostSpacing = 1e4, kMostAnisotropy = 100;
 constexpr double kOrthonormal = 1e-3;   // error of the products of axes
 constexpr double kCoarsestStep = 0.05;  // of the smallest spacing
 
 [[noreturn]] void refuse(const std::string& reason) { throw Error(ErrorCode::bad_input, reason); }
 
-void check_spacing(const Geometry& geometry) {
-  for (const double spacing : geometry.spacing)
-    if (!(spacing >= kLeastSpacing && spacing <= kMostSpacing))
-      refuse("the volume's spacing is " + std::to_string(spacing) + " mm: give 1e-6 to 1e4 mm");
+/// As short as it can be written.
+std::string text_of(double number) {
+  std::array<char, 32> text;
+  const auto [end, error] = std::to_chars(text.data(), text.data() + text.size(), number);
+  return {text.data(), end};
 }
 
-void check_axes(const Geometry& geometry) {
-  for (const double origin : geometry.origin)
-    if (!std::isfinite(origin)) refuse("the volume's origin is not finite: give mm");
+bool are_orthonormal(const std::array<double, 9>& columns) {
   for (std::size_t a = 0; a < 3; ++a)
     for (std::size_t b = a; b < 3; ++b) {
       double product = 0;
       for (std::size_t row = 0; row < 3; ++row)
-        product += geometry.direction[3 * row + a] * geometry.direction[3 * row + b];
-      if (!(std::fabs(product - (a == b ? 1 : 0)) <= kOrthonormal))
-        refuse("the volume's direction is sheared or scaled: give orthonormal columns");
+        product += columns[3 * row + a] * columns[3 * row + b];
+      if (!(std::fabs(product - (a == b ? 1 : 0)) <= kOrthonormal)) return false;
     }
+  return true;
 }
 
 /// The largest coordinate that the volume may reach, without its sign, whatever its direction.
@@ -68,6 +68,29 @@ void check_resolution(const Geometry& geometry) {
 
 }  // namespace
 
+std::optional<GeometryFault> fault_of(const Geometry& geometry) {
+  const std::string correct_spacing = "correct the spacing in its header (mm)";
+  for (const double spacing : geometry.spacing) {
+    if (!(std::isfinite(spacing) && spacing > 0))
+      return {
+          {"its spacing is " + text_of(spacing) + ", not a length above zero", correct_spacing}};
+    if (spacing < kLeastSpacing || spacing > kMostSpacing)
+      return {{"its spacing of " + text_of(spacing) + " mm is absurd", correct_spacing}};
+  }
+  const auto [least, most] = std::minmax_element(geometry.spacing.begin(), geometry.spacing.end());
+  if (*most > kMostAnisotropy * *least)
+    return {{"its spacings, " + text_of(*least) + " and " + text_of(*most) +
+                 " mm, differ more than " + text_of(kMostAnisotropy) + "-fold",
+             correct_spacing}};
+  for (const double origin : geometry.origin)
+    if (!std::isfinite(origin))
+      return {{"its origin is not finite", "correct the origin in its header"}};
+  if (!are_orthonormal(geometry.direction))
+    return {{"its direction matrix is sheared or scaled, not orthonormal",
+             "resample the volume on orthogonal axes"}};
+  return std::nullopt;
+}
+
 void check_size(const Geometry& geometry) {
   for (const std::int64_t size : geometry.size)
     if (size < 1 || size > kMaxSize)
@@ -80,8 +103,8 @@ void check_volume(const VolumeView& volume, Space space) {
   if (volume.format != VoxelFormat::bytes && volume.format != VoxelFormat::bits)
     refuse("the volume's format is none: give bytes or bits");
   check_size(volume.geometry);
-  check_spacing(volume.geometry);
-  check_axes(volume.geometry);
+  if (const auto fault = fault_of(volume.geometry))
+    refuse("the volume cannot be used, " + fault->reason + ": " + fault->remedy);
   if (space != Space::voxel) check_resolution(volume.geometry);  // there no axis is long enough
 }
 

@@ -3,16 +3,28 @@
 /// \file
 /// What a volume must be before any work: a caller may hand in anything.
 
+#include <optional>
+#include <string>
+
 #include "vasamesh/parameters.h"
 #include "vasamesh/types.h"
 
 namespace vasamesh {
 
+/// Why a volume cannot lie where it is said to, and what to do about it.
+struct GeometryFault {
+  std::string reason, remedy;
+};
+
+/// The first of these: a spacing that is not finite, not above zero or absurd (below 1e-6 or above
+/// 1e4 mm); spacings that differ more than 100-fold; an origin that is not finite; axes whose
+/// products are off by more than 0.001 from orthonormal ones'.
+std::optional<GeometryFault> fault_of(const Geometry& geometry);
+
 /// \throws Error bad_input, naming the first of these: no address of voxels; a format that is none;
-///         no or more than 2^20 voxels along an axis; a spacing that is not finite, not above zero
-///         or absurd (1e-6 to 1e4 mm); an origin that is not finite; axes that are not orthonormal;
-///         a place so far out that float32 coordinates in the space are more than 5 % of the
-///         smallest spacing apart, too coarse for a proof.
+///         no or more than 2^20 voxels along an axis; a fault of the geometry; a place so far out
+///         that float32 coordinates in the space are more than 5 % of the smallest spacing apart,
+///         too coarse for a proof.
 void check_volume(const VolumeView& volume, Space space);
 
 /// \throws Error bad_input, when there are no or more than 2^20 voxels along an axis.

@@ -7,35 +7,9 @@
 #include <vector>
 
 #include "io/io_error.h"
+#include "stages/volume_check.h"
 
 namespace vasamesh {
-namespace {
-
-constexpr double kLeastSpacing = 1e-6, kMostSpacing = 1e4, kMostAnisotropy = 100;
-constexpr double kDirectionTolerance = 1e-3;
-
-double column_dot(const Geometry& geometry, int a, int b) {
-  double dot = 0;
-  for (int row = 0; row < 3; ++row) {
-    dot += geometry.direction[3 * row + a] * geometry.direction[3 * row + b];
-  }
-  return dot;
-}
-
-void check_direction(const std::string& path, const Geometry& geometry) {
-  for (int a = 0; a < 3; ++a) {
-    for (int b = a; b < 3; ++b) {
-      const double error = std::abs(column_dot(geometry, a, b) - (a == b ? 1 : 0));
-      if (!(error <= kDirectionTolerance)) {
-        throw_bad_input(path, "its direction matrix is sheared or scaled, not orthonormal",
-                        "resample the volume on orthogonal axes");
-      }
-    }
-  }
-}
-
-}  // namespace
-
 void read_itk_header(const std::string& path, itk::ImageIOBase& io) {
   try {
     io.SetFileName(path);
@@ -131,26 +105,7 @@ void check_raw_spacing(const std::string& path, double spacing) {
 }
 
 void check_geometry(const std::string& path, const Geometry& geometry) {
-  for (const double spacing : geometry.spacing) {
-    check_raw_spacing(path, spacing);
-    if (spacing < kLeastSpacing || spacing > kMostSpacing) {
-      throw_bad_input(path, fmt::format("its spacing of {} mm is absurd", spacing),
-                      "correct the spacing in its header (mm)");
-    }
-  }
-  const auto [least, most] = std::minmax_element(geometry.spacing.begin(), geometry.spacing.end());
-  if (*most > kMostAnisotropy * *least) {
-    throw_bad_input(path,
-                    fmt::format("its spacings, {} and {} mm, differ more than {}-fold", *least,
-                                *most, kMostAnisotropy),
-                    "correct the spacing in its header (mm)");
-  }
-  for (const double origin : geometry.origin) {
-    if (!std::isfinite(origin)) {
-      throw_bad_input(path, "its origin is not finite", "correct the origin in its header");
-    }
-  }
-  check_direction(path, geometry);
+  if (const auto fault = fault_of(geometry)) throw_bad_input(path, fault->reason, fault->remedy);
 }
 
 }  // namespace vasamesh

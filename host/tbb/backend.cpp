@@ -62,7 +62,10 @@ std::string TbbBackend::device() const {
 
 void* TbbBackend::allocate(std::size_t bytes) {
   account_.take(bytes);
-  if (void* memory = take_block(block_size(bytes))) return memory;
+  const std::size_t size = block_size(bytes);
+  if (void* memory = take_block(size)) return memory;
+  give_back_kept();
+  if (void* memory = take_block(size)) return memory;
   account_.give(bytes);
   throw Error(ErrorCode::refused, "out of memory: " + std::to_string(bytes) +
                                       " bytes could not be had: convert a part of the volume");
@@ -70,11 +73,30 @@ void* TbbBackend::allocate(std::size_t bytes) {
 
 void TbbBackend::release(void* handle, std::size_t bytes) noexcept {
   account_.give(bytes);
-  const std::scoped_lock lock(kept_mutex_);
-  if (keep_)
-    kept_[block_size(bytes)].push_back(handle);
-  else
+  if (!keep_block(handle, block_size(bytes)))
     ::operator delete(handle, std::align_val_t(kAlignment));
+}
+
+void TbbBackend::set_byte_limit(std::size_t bytes) {
+  account_.set_limit(bytes);
+  {
+    const std::scoped_lock lock(kept_mutex_);
+    limited_ = bytes > 0;
+  }
+  if (bytes > 0) give_back_kept();
+}
+
+bool TbbBackend::keep_block(void* block, std::size_t size) noexcept {
+  const std::size_t most = account_.peak() + account_.peak() / 4 + kAlignment;  // of whole blocks
+  const std::scoped_lock lock(kept_mutex_);
+  if (keepers_ == 0 || limited_ || kept_bytes_ + size > most) return false;
+  try {
+    kept_[size].push_back(block);
+  } catch (const std::bad_alloc&) {
+    return false;
+  }
+  kept_bytes_ += size;
+  return true;
 }
 
 void* TbbBackend::take_block(std::size_t size) {
@@ -83,6 +105,7 @@ void* TbbBackend::take_block(std::size_t size) {
     if (const auto found = kept_.find(size); found != kept_.end() && !found->second.empty()) {
       void* block = found->second.back();
       found->second.pop_back();
+      kept_bytes_ -= size;
       return block;
     }
   }
@@ -90,11 +113,13 @@ void* TbbBackend::take_block(std::size_t size) {
 }
 
 void TbbBackend::keep_memory(bool keep) {
+  bool last = false;
   {
     const std::scoped_lock lock(kept_mutex_);
-    keep_ = keep;
+    keepers_ += keep ? 1 : -1;
+    last = keepers_ == 0;
   }
-  if (!keep) give_back_kept();
+  if (last) give_back_kept();
 }
 
 void TbbBackend::give_back_kept() {
@@ -102,6 +127,7 @@ void TbbBackend::give_back_kept() {
   for (auto& [size, blocks] : kept_)
     for (void* block : blocks) ::operator delete(block, std::align_val_t(kAlignment));
   kept_.clear();
+  kept_bytes_ = 0;
 }
 
 void TbbBackend::copy(void* to, const void* from, std::size_t bytes) {

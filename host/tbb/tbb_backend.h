@@ -28,7 +28,7 @@ class TbbBackend final : public Backend {
   bool offers(Stage) const override { return true; }
   std::size_t bytes_held() const override { return account_.held(); }
   std::size_t bytes_peak() const override { return account_.peak(); }
-  void set_byte_limit(std::size_t bytes) override { account_.set_limit(bytes); }
+  void set_byte_limit(std::size_t bytes) override;
   void keep_memory(bool keep) override;
 
   void* allocate(std::size_t bytes) override;
@@ -172,13 +172,17 @@ class TbbBackend final : public Backend {
 
   /// A kept block of that size, or a new one; null where there is no memory.
   void* take_block(std::size_t size);
+  /// \return whether it is kept.
+  bool keep_block(void* block, std::size_t size) noexcept;
 
   std::unique_ptr<tbb::task_arena> own_arena_;
   tbb::task_arena* arena_;
   ByteAccount account_;
 
   std::mutex kept_mutex_;
-  bool keep_ = false;
+  int keepers_ = 0;       ///< who asked for it, and still does
+  bool limited_ = false;  ///< what is kept would count
+  std::size_t kept_bytes_ = 0;
   std::unordered_map<std::size_t, std::vector<void*>> kept_;  ///< blocks by their size
 };
 

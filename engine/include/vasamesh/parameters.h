@@ -50,42 +50,44 @@ enum class StitchMode {
 /// length. At most one of edges_around, chord_error and triangles may be given; it takes the place
 /// of rho.
 struct EdgeLengths {
-  double rho = 0.6;             ///< edge length over radius of curvature, above 0 to 2
-  double edges_around = 0;      ///< edges round a vessel, 4 to 100: rho = 2 pi / edges_around
-  double chord_error = 0;       ///< voxels, above 0 to 1: sqrt(8 chord_error r) instead of rho r
-  std::int64_t triangles = 0;   ///< how many are wanted, within 10 %: rho, edge_min and edge_max
-                                ///< are scaled together
-  double edge_min = 1.1;        ///< voxels, 0.1 to 100
-  double edge_max = 1.6;        ///< voxels, edge_min to 100
-  double gradation = 0.25;      ///< 0.01 to 2
+  double rho = 0.6;            ///< edge length over radius of curvature, 0.001 to 2
+  double edges_around = 0;     ///< edges round a vessel, 4 to 100: rho = 2 pi / edges_around
+  double chord_error = 0;      ///< voxels, 0.001 to 1: sqrt(8 chord_error r) instead of rho r
+  std::int64_t triangles = 0;  ///< how many are wanted, within 10 %, at most 10^9: rho,
+                               ///< edge_min and edge_max are scaled together
+  double edge_min = 1.1;       ///< voxels, 0.1 to 100
+  double edge_max = 1.6;       ///< voxels, edge_min to 100
+  double gradation = 0.25;     ///< 0.01 to 2
 };
 
 /// Everything that a conversion may be asked. One kernel-width unit, and every "voxel" below, is
 /// the geometric mean of the three spacings.
 struct Parameters {
-  int neighbours = 10;          ///< k of the covariance normals, 3 to 64
+  int neighbours = 10;  ///< k of the covariance normals, 3 to 64
   NormalMode normals = NormalMode::covariance;
-  int depth = 0;                ///< depth of the octree's finest regular level; 0: one cell a voxel.
-                                ///< Otherwise from two below that to one above it.
-  double kernel_width = 1.66;   ///< knot distance of the splatting B-spline where the vessel is
-                                ///< thick, in voxels, 0.5 to 4: the smoothing knob
+  int depth = 0;               ///< depth of the octree's finest regular level; 0: one cell a voxel.
+                               ///< Otherwise from two below that to one above it.
+  double kernel_width = 1.66;  ///< knot distance of the splatting B-spline where the vessel is
+                               ///< thick, in voxels, 0.5 to 4: the smoothing knob
   Connectivity connectivity = Connectivity::vertex;
-  bool close_handles = false;   ///< fill tunnels and cavities that the smooth field does not have
+  bool close_handles = false;  ///< fill tunnels and cavities that the smooth field does not have
   SurfaceKind surface = SurfaceKind::adaptive;
-  EdgeLengths edges;            ///< of the adaptive surface
+  EdgeLengths edges;  ///< of the adaptive surface
   StitchMode stitch = StitchMode::exact;
   std::int64_t min_component = 0;  ///< drop pieces of fewer voxels; 0 keeps all
   Space space = Space::lps;
-  std::int64_t max_memory = 0;  ///< bytes that the conversion may hold; 0: no limit
+  /// Bytes of the stages' buffers, which the report counts, that may be held at once; 0: no limit.
+  /// What the mesh stages keep in lists of their own is not counted.
+  std::int64_t max_memory = 0;
 };
 
-/// Sets edges and stitch by a name: "default"; "paper" (edges of about a voxel everywhere, which the
-/// triangle counts of the paper's Table 3 correspond to, and its single pass); "simulator" (fewer
-/// and larger triangles). \throws Error usage for another name.
+/// Sets edges and stitch by a name: "default"; "paper" (edges of about a voxel everywhere, which
+/// the triangle counts of the paper's Table 3 correspond to, and its single pass); "simulator"
+/// (fewer and larger triangles). \throws Error usage for another name.
 void set_preset(const std::string& name, Parameters& parameters);
 
-/// Throws Error(usage), naming the program's option for the field and its range, when a parameter is
-/// outside it.
+/// Throws Error(usage), naming the program's option for the field and its range, when a parameter
+/// is outside it.
 void validate(const Parameters& parameters);
 
 }  // namespace vasamesh

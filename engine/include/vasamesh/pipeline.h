@@ -25,7 +25,7 @@ class Backend;
 /// conversions, one at a time.
 struct Context {
   /// The backends in order of preference; a stage runs on the first that offers it. The last one
-  /// must offer every stage (make_context puts the oneTBB backend there).
+  /// must offer every stage (make_context puts the oneTBB backend there). None is null.
   std::vector<std::shared_ptr<Backend>> backends;
 
   /// Called with the phase's name and its finished fraction, 0 to 1, from the thread that called
@@ -47,12 +47,15 @@ struct Result {
 /// was asked for: closed, manifold, outward, without self-intersection, of the segmentation's
 /// topology.
 ///
-/// \throws Error usage (a parameter out of its range), bad_input (nothing in the foreground, an
-///         unusable geometry, an origin too far out for float32), failed_check (a surface that
-///         could not be proven), refused (more memory than allowed), cancelled.
+/// \throws Error usage (a parameter out of its range, a context without backends), bad_input
+///         (nothing in the foreground, an unusable geometry, an origin too far out for float32),
+///         failed_check (a surface that could not be proven), refused (more memory than allowed or
+///         there is, more elements than 32 bits number), cancelled. What the context's `progress`
+///         throws comes through.
 Result convert(const VolumeView& volume, const Parameters& parameters, Context& context);
 
-/// As convert(), for many volumes: keeps its buffers from one call to the next.
+/// As convert(), for many volumes: keeps its buffers from one call to the next. One that was moved
+/// from can only be assigned to or destroyed.
 class Converter {
  public:
   explicit Converter(Context context);
@@ -60,6 +63,7 @@ class Converter {
   Converter(Converter&&) noexcept;
   Converter& operator=(Converter&&) noexcept;
 
+  /// As vasamesh::convert(), errors too; any number of times, also after an error.
   Result convert(const VolumeView& volume, const Parameters& parameters);
 
  private:

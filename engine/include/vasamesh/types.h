@@ -13,11 +13,14 @@ namespace vasamesh {
 /// Where the voxels of a volume lie in physical space, in ITK's convention (LPS, millimetres):
 /// the centre of voxel (i, j, k) is origin + direction * (spacing * (i, j, k)).
 struct Geometry {
-  std::array<std::int64_t, 3> size{0, 0, 0};       ///< voxels along i, j, k; i varies fastest
-  std::array<double, 3> spacing{1, 1, 1};          ///< mm, each finite and above zero
-  std::array<double, 3> origin{0, 0, 0};           ///< mm, LPS, centre of voxel (0, 0, 0)
-  std::array<double, 9> direction{1, 0, 0, 0, 1, 0, 0, 0, 1};  ///< row-major, orthonormal columns;
-                                                               ///< determinant -1 mirrors
+  /// Voxels along i, j, k, 1 to 2^20 each; i varies fastest.
+  std::array<std::int64_t, 3> size{0, 0, 0};
+  /// mm, 1e-6 to 1e4 each, the largest at most 100 times the smallest.
+  std::array<double, 3> spacing{1, 1, 1};
+  /// mm, LPS, centre of voxel (0, 0, 0).
+  std::array<double, 3> origin{0, 0, 0};
+  /// Row-major; orthonormal columns, their products within 0.001; determinant -1 mirrors.
+  std::array<double, 9> direction{1, 0, 0, 0, 1, 0, 0, 0, 1};
 };
 
 /// How a VolumeView holds its voxels.
