@@ -88,16 +88,6 @@ std::shared_ptr<Backend> open_opencl(int device, std::uint32_t stages,
   return make_opencl_backend(options);
 }
 
-/// The stages in which a device beats oneTBB; tried once and remembered. None where it fails.
-std::uint32_t stages_worth(const DeviceInfo& device, int threads) {
-  try {
-    if (!load_tuning(device.number - 1, {})) tune_device(device, threads, false, {});
-    const std::optional<Tuning> tuning = load_tuning(device.number - 1, {});
-    return tuning ? tuning->stages : 0;
-  } catch (const Error&) {
-    return 0;
-  }
-}
 #else
 std::vector<DeviceInfo> list_opencl_devices() { return {}; }
 

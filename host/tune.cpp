@@ -78,6 +78,9 @@ class Tuner {
  public:
   Tuner(const DeviceInfo& device, int threads)
       : device_(device.number - 1), host_(make_tbb_backend(threads, nullptr)), voxels_(torus()) {
+    OpenClOptions options;
+    options.device = device_;
+    make_opencl_backend(options);  // one that cannot be opened costs no more
     view_.data = voxels_.data();
     view_.geometry.size = {kSide, kSide, kSide};
     Context context;
@@ -143,6 +146,24 @@ TuneResult tune_device(const DeviceInfo& device, int threads, bool search,
   if (search)
     for (const WorkShape& shape : shapes_to_try()) attempt(shape);
   return tuner.finish();
+}
+
+std::uint32_t stages_worth(const DeviceInfo& device, int threads) {
+  const int number = device.number - 1;
+  try {
+    if (const std::optional<Tuning> tuning = load_tuning(number, {})) return tuning->stages;
+    try {
+      tune_device(device, threads, false, {});
+    } catch (const Error&) {
+      Tuning failed;
+      failed.shape = usual_opencl_shape(number);
+      store_tuning(number, {}, failed);
+    }
+    const std::optional<Tuning> tuning = load_tuning(number, {});
+    return tuning ? tuning->stages : 0;
+  } catch (const Error&) {
+    return 0;
+  }
 }
 
 }  // namespace vasamesh

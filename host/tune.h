@@ -5,6 +5,7 @@
 /// found is remembered (host/opencl/work_shape.h) and used from then on: the shape whenever the
 /// device is opened, the stages by `--backend auto`. Results never depend on it.
 
+#include <cstdint>
 #include <functional>
 #include <string>
 
@@ -30,5 +31,9 @@ struct TuneResult {
 /// \throws Error no_device, where the device cannot be opened or no shape agrees.
 TuneResult tune_device(const DeviceInfo& device, int threads, bool search,
                        const std::function<void(const TuneTrial&)>& tell);
+
+/// The stages in which a device beats oneTBB, as bit_of each; tried once, and remembered also where
+/// it failed, until tune_device() finds otherwise. None where it fails.
+std::uint32_t stages_worth(const DeviceInfo& device, int threads);
 
 }  // namespace vasamesh

@@ -82,6 +82,35 @@ TEST(OpenClMixed, SameSurfaceWhateverRunsWhere) {
   }
 }
 
+/// What was lent to the device when a conversion stopped is not touched by the next.
+TEST(OpenClMixed, ServesAgainAfterACancel) {
+  if (list_opencl_devices().empty()) GTEST_SKIP() << "no OpenCL device here";
+  const Phantom phantom = make_phantom("torus");
+  const Result want = convert_on("tbb", phantom);
+  OpenClOptions options;
+  options.stages = 0x555;
+  options.copies = DeviceCopies::separate;
+  options.workers = make_tbb_backend(2, nullptr);
+  Context context;
+  context.backends = {make_opencl_backend(options), options.workers};
+  int cancelled = 0;
+  for (const int last : {3, 10, 25, 50, 75, 100}) {
+    int told = 0;
+    context.progress = [&](std::string_view, double) { return ++told < last; };
+    try {
+      convert(phantom.view(), {}, context);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::cancelled);
+      ++cancelled;
+    }
+    context.progress = {};
+    const Result got = convert(phantom.view(), {}, context);
+    EXPECT_EQ(got.mesh.vertices, want.mesh.vertices);
+    EXPECT_EQ(got.mesh.triangles, want.mesh.triangles);
+  }
+  EXPECT_GT(cancelled, 2);
+}
+
 /// What the host has written reaches a device's own memory, remeshed patches and the front
 /// included.
 TEST(OpenClOwnMemory, SameSurfaceWithHardRegions) {

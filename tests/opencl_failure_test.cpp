@@ -13,7 +13,10 @@
 #include "backend/backend.h"
 #include "opencl/backend.h"
 #include "phantom/phantom.h"
+#include "support/environment.h"
 #include "support/failing_opencl.h"
+#include "support/scratch.h"
+#include "tune.h"
 #include "vasamesh/host.h"
 #include "vasamesh/pipeline.h"
 
@@ -201,6 +204,17 @@ TEST_F(OpenClFailure, DeviceThatLacksSomethingIsRefusedByName) {
     EXPECT_NE(message.find(name), std::string::npos) << message;
     EXPECT_NE(message.find("--backend tbb"), std::string::npos) << message;
   }
+}
+
+TEST_F(OpenClFailure, DeviceThatFailsItsTrialIsTriedOnce) {
+  const Scratch folder;
+  const Variable cache("XDG_CACHE_HOME", folder / "cache");
+  const DeviceInfo device = list_devices()[1];
+  failing::pretend(CL_DEVICE_MAX_WORK_GROUP_SIZE, 0);
+  EXPECT_EQ(stages_worth(device, 2), 0u);
+  failing::reset();
+  EXPECT_EQ(stages_worth(device, 2), 0u);
+  for (const failing::Call& call : failing::calls()) EXPECT_NE(call.function, "clCreateContext");
 }
 
 TEST_F(OpenClFailure, DeviceThatIsNotReadyIsNotListed) {

@@ -25,7 +25,6 @@ DeviceMemory::DeviceMemory(cl::Context context, cl::CommandQueue queue, std::str
 
 /// What the device may still use when it does not answer any more is never freed.
 DeviceMemory::~DeviceMemory() {
-  for (const Loan& loan : loans_) clReleaseMemObject(loan.memory);
   if (!left_.empty() && queue_.finish() == CL_SUCCESS) give_back_left();
 }
 
@@ -85,20 +84,19 @@ cl_mem DeviceMemory::on_device(void* handle, std::size_t bytes, bool writes) {
   return own->memory;
 }
 
-/// What is not ours may be freed once we return: there is no leaving before the end.
+/// What is not ours may be freed once we return: there is no leaving before the end. Nor does a
+/// loan outlive what is thrown here.
 void DeviceMemory::finish_loans() {
-  if (loans_.empty()) return;
+  const std::vector<Loan> loans = std::exchange(loans_, {});
+  if (loans.empty()) return;
   try {
     wait();
   } catch (...) {
     queue_.finish();
     throw;
   }
-  for (const Loan& loan : loans_) {
-    if (loan.writes && !shared_) copy_out(loan.memory, 0, loan.address, loan.bytes);
-    clReleaseMemObject(loan.memory);
-  }
-  loans_.clear();
+  for (const Loan& loan : loans)
+    if (loan.writes && !shared_) copy_out(loan.memory(), 0, loan.address, loan.bytes);
 }
 
 void DeviceMemory::bring_to_host(void* handle, bool writes) {
@@ -160,7 +158,7 @@ cl_mem DeviceMemory::create(std::size_t bytes, cl_mem_flags flags, void* host) {
 cl_mem DeviceMemory::lend(void* address, std::size_t bytes, bool writes) {
   const cl_mem memory =
       create(bytes, shared_ ? CL_MEM_USE_HOST_PTR : 0, shared_ ? address : nullptr);
-  loans_.push_back({memory, address, bytes, writes});
+  loans_.push_back({cl::Buffer(memory), address, bytes, writes});
   if (!shared_) copy_in(memory, 0, address, bytes);
   return memory;
 }

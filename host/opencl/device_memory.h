@@ -44,6 +44,9 @@ class DeviceMemory {
   /// Takes back what was lent, with what the queued kernel has written.
   void finish_loans();
 
+  /// Forgets what was lent to a kernel that was not queued.
+  void drop_loans() { loans_.clear(); }
+
   /// Brings the host's memory up to date, for the host to read, or to write.
   void bring_to_host(void* handle, bool writes);
 
@@ -64,7 +67,7 @@ class DeviceMemory {
     bool host_stale = false, device_stale = false;  // never when shared
   };
   struct Loan {
-    cl_mem memory;
+    cl::Buffer memory;
     void* address;
     std::size_t bytes;
     bool writes;
