@@ -7,6 +7,7 @@
 ///   SCAN_ITEMS, SCAN_RUN  work-items a block of the scan, and consecutive values an item takes;
 ///   FOLD_ITEMS  work-items a group of passes over elements and of a sum's folds, one an element;
 ///   REDUCE_ITEMS  work-items that finish a sum;
+///   QUICK_BUILD  on PoCL's CPU alone, where an item takes a brick;
 /// and the engine's constants that kernels need (host/opencl/constants.cpp).
 /// Array arguments come in pairs, the memory object and the first element of the view in it:
 /// VIEW(type, name), and TAKE(name) before the first use.
@@ -18,6 +19,18 @@
 
 #define BRICK_GROUP reqd_work_group_size(BRICK_ITEMS, 1, 1)
 #define ELEMENT_GROUP reqd_work_group_size(FOLD_ITEMS, 1, 1)
+
+/// PoCL compiles a kernel when it is first launched, and optimises it once more: most of what a
+/// first conversion takes. Kernels in whose own bodies little happens do without: their body is
+/// compiled as it is written, and what it calls has been optimised with the program.
+#ifdef QUICK_BUILD
+#define AS_WRITTEN optnone
+#else
+#define AS_WRITTEN
+#endif
+#define PLAIN_BRICK_GROUP BRICK_GROUP, AS_WRITTEN
+#define PLAIN_ELEMENT_GROUP ELEMENT_GROUP, AS_WRITTEN
+
 #define BRICK_CELLS 512
 #define BRICK_ROWS 64
 #define NEIGHBOURS 27

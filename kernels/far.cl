@@ -329,7 +329,7 @@ static uchar8 far_row(global const int *near, global const uchar *state, int bx,
   }
 
 /// counts[brick]: how many nodes are marked.
-kernel __attribute__((BRICK_GROUP)) void lattice_mark_far(
+kernel __attribute__((PLAIN_BRICK_GROUP)) void lattice_mark_far(
     float4 half_scale, float limit, float8 edge_length, int beside_count, int search_count,
     VIEW(const FarOffset, beside), VIEW(const FarOffset, search), VIEW(const FarPart, parts),
     VIEW(const FarCube, cubes), VIEW(const ushort, cube_parts), VIEW(const ushort, cube_sides),
@@ -375,11 +375,12 @@ kernel __attribute__((BRICK_GROUP)) void lattice_mark_far(
     BRICK_SYNC();
     for (int row = get_local_id(0); row < BRICK_ROWS; row += BRICK_ITEMS) {
       const uint far = far_row_marks(&test, octants, row & 7, row >> 3);
-      for (int x = 0; x < 8; ++x) marks[8 * row + x] = far >> x & 1 ? LATTICE_FAR_MARK : 0;
+      vstore8(as_uchar8(bit_bytes(far) * LATTICE_FAR_MARK), row, marks);
       count += popcount(far);
     }
   } else {
-    for (int cell = get_local_id(0); cell < BRICK_CELLS; cell += BRICK_ITEMS) marks[cell] = 0;
+    for (int row = get_local_id(0); row < BRICK_ROWS; row += BRICK_ITEMS)
+      vstore8((uchar8)(0), row, marks);
   }
   item_count[get_local_id(0)] = count;
   BRICK_SYNC();

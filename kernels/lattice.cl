@@ -104,7 +104,7 @@ static uint lattice_own(uint bits) { return bits >> LATTICE_NODE_MARGIN & 0xff; 
     along_y[i_] = lattice_dilate_y(along_x, i_ & 7, i_ >> 3, (radius).y);                     \
   BRICK_SYNC()
 
-kernel __attribute__((BRICK_GROUP)) void lattice_mark(int4 size, int4 radius,
+kernel __attribute__((PLAIN_BRICK_GROUP)) void lattice_mark(int4 size, int4 radius,
                                                       VIEW(const ulong, object),
                                                       VIEW(const int, coords),
                                                       VIEW(uchar, used)) {
@@ -170,7 +170,7 @@ static uint lattice_solid(BRICK_SHARED const uint *voxels, int connectivity, int
   return connectivity == 18 ? row & ~lattice_trimmed(voxels, y, z) : row;
 }
 
-kernel __attribute__((BRICK_GROUP)) void lattice_label(int4 size, int connectivity, int4 radius,
+kernel __attribute__((PLAIN_BRICK_GROUP)) void lattice_label(int4 size, int connectivity, int4 radius,
                                                        VIEW(const ulong, object),
                                                        VIEW(const int, coords),
                                                        VIEW(uchar, state)) {
@@ -217,7 +217,7 @@ static bool lattice_refined_here(global const int *near) {
   return true;
 }
 
-kernel __attribute__((BRICK_GROUP)) void lattice_sample(VIEW(const int, coords),
+kernel __attribute__((PLAIN_BRICK_GROUP)) void lattice_sample(VIEW(const int, coords),
                                                         VIEW(const int, in_regular),
                                                         VIEW(const float, regular),
                                                         VIEW(const int, in_refined),

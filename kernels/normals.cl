@@ -302,7 +302,7 @@ static float3 normals_plane(const NormalsNeighbour *nearest, int neighbours, flo
 }
 
 /// An item takes whole voxels: the candidates of their points are the same.
-kernel __attribute__((BRICK_GROUP)) void normals_covariance(
+kernel __attribute__((PLAIN_BRICK_GROUP)) void normals_covariance(
     int most, float4 scale, VIEW(const float, samples), VIEW(const int, coords),
     VIEW(const int, neighbours), VIEW(const uint, voxel_start), VIEW(const float, area_x),
     VIEW(const float, area_y), VIEW(const float, area_z), VIEW(float, normal_x),

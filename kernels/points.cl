@@ -62,7 +62,7 @@ static uint points_of_mask(uint mask, bool refined) {
   return count;
 }
 
-kernel __attribute__((BRICK_GROUP)) void points_count(int4 size, VIEW(const ulong, object),
+kernel __attribute__((PLAIN_BRICK_GROUP)) void points_count(int4 size, VIEW(const ulong, object),
                                                       VIEW(const ulong, refine),
                                                       VIEW(const int, coords), VIEW(uint, counts),
                                                       VIEW(uint, refined)) {
@@ -169,7 +169,7 @@ static void points_write_voxel(const PointsOutput *out, uint next, const int *vo
   }
 }
 
-kernel __attribute__((BRICK_GROUP)) void points_emit(
+kernel __attribute__((PLAIN_BRICK_GROUP)) void points_emit(
     int4 size, float4 face_area, VIEW(const ulong, object), VIEW(const ulong, thin),
     VIEW(const ulong, refine), VIEW(const int, coords), VIEW(const uint, voxel_start),
     VIEW(float, position_x), VIEW(float, position_y), VIEW(float, position_z), VIEW(float, area_x),

@@ -23,7 +23,7 @@ static float8 poisson_where_unknown(global const uchar *unknown, size_t row, flo
   return select((float8)(0.0f), value, convert_int8(vload8(row, unknown)) != 0);
 }
 
-kernel __attribute__((BRICK_GROUP)) void poisson_residual(
+kernel __attribute__((PLAIN_BRICK_GROUP)) void poisson_residual(
     VIEW(const int, neighbours), float4 weights, VIEW(const uchar, unknown), VIEW(const float, b),
     VIEW(const float, x), VIEW(float, r), VIEW(float, p), VIEW(float, b_square),
     VIEW(float, r_square)) {

@@ -272,7 +272,7 @@ static int2 relabel_nearest_marks(BRICK_SHARED const uint2 *rows, int reach, int
   return least;
 }
 
-kernel __attribute__((BRICK_GROUP)) void lattice_blend(
+kernel __attribute__((PLAIN_BRICK_GROUP)) void lattice_blend(
     float radius, float strength, int smooth, VIEW(const int, neighbours), VIEW(const uchar, marked),
     VIEW(const uchar, marks), VIEW(const uchar, state), VIEW(float, values),
     VIEW(uchar, changed)) {

@@ -274,14 +274,14 @@ static void relax_equalise_vertex(const RelaxGoal *goal, const RelaxRing *ring, 
       RELAX_SYNC();                                                                             \
     }
 
-kernel __attribute__((BRICK_GROUP)) void relax_smooth(
+kernel __attribute__((PLAIN_BRICK_GROUP)) void relax_smooth(
     RELAX_GOAL, VIEW(const uint, part_level), VIEW(const uint, level_first),
     VIEW(const uint, vertex), VIEW(const uint, ring_start), VIEW(const uint, rings), int passes,
     VIEW(float, points)) {
   RELAX_PART(relax_smooth_vertex)
 }
 
-kernel __attribute__((BRICK_GROUP)) void relax_equalise(
+kernel __attribute__((PLAIN_BRICK_GROUP)) void relax_equalise(
     RELAX_GOAL, VIEW(const uint, part_level), VIEW(const uint, level_first),
     VIEW(const uint, vertex), VIEW(const uint, ring_start), VIEW(const uint, rings), int passes,
     int onto, VIEW(float, points)) {

@@ -62,7 +62,7 @@ static float sizing_radius(const Field *field, float3 p, float3 normal) {
 }
 
 /// A work-item a sample.
-kernel __attribute__((ELEMENT_GROUP)) void sizing_measure(
+kernel __attribute__((PLAIN_ELEMENT_GROUP)) void sizing_measure(
     ulong count, FIELD_VIEW, VIEW(float, positions), VIEW(float, normals), VIEW(float, radii)) {
   const size_t i = get_global_id(0);
   if (i >= count) return;

@@ -200,9 +200,9 @@ static void stitch_minimise_cost(const StitchGap *gap, int i, int j, float allow
   const int n = gap.n
 
 /// The largest least angle, then the least cost among those.
-kernel void stitch_exact(STITCH_GAPS, VIEW(float, least),
-                         VIEW(float, sum), VIEW(ushort, via), VIEW(uchar, closed),
-                         VIEW(ushort, triangles)) {
+kernel __attribute__((AS_WRITTEN)) void stitch_exact(STITCH_GAPS, VIEW(float, least),
+                                                     VIEW(float, sum), VIEW(ushort, via),
+                                                     VIEW(uchar, closed), VIEW(ushort, triangles)) {
   STITCH_TAKE_GAP;
   least += least_first + table;
   sum += sum_first + table;
@@ -281,9 +281,11 @@ static void stitch_minimise_all(const StitchGap *gap, const StitchTables *tables
 }
 
 /// The paper's single pass: angle, turn and area in one order, part by part.
-kernel void stitch_paper(STITCH_GAPS, VIEW(const float, across), VIEW(float, least), VIEW(float, sum),
-                         VIEW(float, turn), VIEW(float, top), VIEW(ushort, via),
-                         VIEW(uchar, closed), VIEW(ushort, triangles)) {
+kernel __attribute__((AS_WRITTEN)) void stitch_paper(STITCH_GAPS, VIEW(const float, across),
+                                                     VIEW(float, least), VIEW(float, sum),
+                                                     VIEW(float, turn), VIEW(float, top),
+                                                     VIEW(ushort, via), VIEW(uchar, closed),
+                                                     VIEW(ushort, triangles)) {
   STITCH_TAKE_GAP;
   across += 3 * (across_first + first[g]);
   StitchTables tables;

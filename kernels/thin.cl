@@ -177,7 +177,7 @@ static bool thin_column_is_empty(global const ulong *object, int4 size, int w, i
 }
 
 /// A work-item the eight bricks that share words.
-kernel __attribute__((ELEMENT_GROUP)) void points_mark_bricks(int4 size, ulong count, VIEW(const ulong, object),
+kernel __attribute__((PLAIN_ELEMENT_GROUP)) void points_mark_bricks(int4 size, ulong count, VIEW(const ulong, object),
                                VIEW(uchar, octants)) {
   const ulong i = get_global_id(0);
   if (i >= count) return;

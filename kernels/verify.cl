@@ -213,7 +213,7 @@ static uint verify_leaf(const VerifyTree *tree, uint leaf, global uint *pairs) {
    order + order_first,         nodes + VERIFY_NODE * nodes_first,                              \
    level_first + level_first_first, triangle_count, levels}
 
-kernel __attribute__((ELEMENT_GROUP)) void verify_count_pairs(ulong leaves, VERIFY_TREE,
+kernel __attribute__((PLAIN_ELEMENT_GROUP)) void verify_count_pairs(ulong leaves, VERIFY_TREE,
                                                               VIEW(uint, counts)) {
   const size_t leaf = get_global_id(0);
   if (leaf >= leaves) return;
@@ -221,7 +221,7 @@ kernel __attribute__((ELEMENT_GROUP)) void verify_count_pairs(ulong leaves, VERI
   counts[counts_first + leaf] = verify_leaf(&tree, leaf, 0);
 }
 
-kernel __attribute__((ELEMENT_GROUP)) void verify_collect_pairs(ulong leaves, VERIFY_TREE,
+kernel __attribute__((PLAIN_ELEMENT_GROUP)) void verify_collect_pairs(ulong leaves, VERIFY_TREE,
                                                                 VIEW(const uint, starts),
                                                                 VIEW(uint, pairs)) {
   const size_t leaf = get_global_id(0);

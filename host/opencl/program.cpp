@@ -12,6 +12,14 @@ namespace vasamesh {
 
 namespace {
 
+/// The one on whose CPU QUICK_BUILD (kernels/common.cl) has been tried: it is right there where no
+/// kernel has a barrier.
+bool is_pocl_3(const cl::Device& device) {
+  const cl::Platform platform(ask<CL_DEVICE_PLATFORM>(device));
+  return ask<CL_PLATFORM_VERSION>(platform).find("PoCL 3.") != std::string::npos &&
+         (ask<CL_DEVICE_TYPE>(device) & CL_DEVICE_TYPE_CPU) != 0;
+}
+
 std::string options_of(const cl::Device& device, const WorkShape& shape) {
   std::string options = "-cl-std=CL1.2 -w";
   if (ask<CL_DEVICE_SINGLE_FP_CONFIG>(device) & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT)
@@ -24,6 +32,7 @@ std::string options_of(const cl::Device& device, const WorkShape& shape) {
   define("SCAN_RUN", shape.scan_run);
   define("FOLD_ITEMS", shape.fold_items);
   define("REDUCE_ITEMS", shape.reduce_items);
+  if (shape.brick_items == 1 && is_pocl_3(device)) define("QUICK_BUILD", 1);
   return options + kernel_constants();
 }
 
