@@ -8,6 +8,7 @@
 
 #include "stages/triangle_tree.h"
 #include "types/mesh_vertex.h"
+#include "types/vec3d.h"
 #include "vasamesh/errors.h"
 
 namespace vasamesh {
@@ -22,44 +23,30 @@ std::size_t part_end(std::size_t part, std::size_t count) {
   return std::min((part + 1) * kTriangles, count);
 }
 
-struct Point {
-  double x, y, z;
-};
-Point operator-(const Point& a, const Point& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-Point operator+(const Point& a, const Point& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-Point operator*(double s, const Point& a) { return {s * a.x, s * a.y, s * a.z}; }
-double dot(const Point& a, const Point& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-Point cross(const Point& a, const Point& b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-
 struct Triangle {
-  Point a, b, c;
+  Vec3d a, b, c;
 };
 
-Point vertex(const TriangleMesh& mesh, std::size_t v) {
-  const float* p = mesh.vertices.data() + 3 * v;
-  return {p[0], p[1], p[2]};
-}
+Vec3d vertex(const TriangleMesh& mesh, std::size_t v) { return widened(vertex_at(mesh, v)); }
 
 Triangle triangle(const TriangleMesh& mesh, std::size_t t) {
   const std::uint32_t* v = mesh.triangles.data() + 3 * t;
   return {vertex(mesh, v[0]), vertex(mesh, v[1]), vertex(mesh, v[2])};
 }
 
-double squared_to_segment(const Point& p, const Point& a, const Point& b) {
-  const Point ab = b - a, ap = p - a;
+double squared_to_segment(const Vec3d& p, const Vec3d& a, const Vec3d& b) {
+  const Vec3d ab = b - a, ap = p - a;
   const double length = dot(ab, ab);
   const double s = length > 0 ? std::clamp(dot(ap, ab) / length, 0.0, 1.0) : 0;
-  const Point off = ap - s * ab;
+  const Vec3d off = ap - s * ab;
   return dot(off, off);
 }
 
 /// Inside the prism over the triangle the distance to its plane, elsewhere that to its border.
-double squared_distance(const Point& p, const Triangle& t) {
-  const Point ab = t.b - t.a, bc = t.c - t.b, ca = t.a - t.c;
-  const Point n = cross(ab, bc);
-  const Point ap = p - t.a;
+double squared_distance(const Vec3d& p, const Triangle& t) {
+  const Vec3d ab = t.b - t.a, bc = t.c - t.b, ca = t.a - t.c;
+  const Vec3d n = cross(ab, bc);
+  const Vec3d ap = p - t.a;
   const double area = dot(n, n);
   if (area > 0 && dot(cross(n, ab), ap) >= 0 && dot(cross(n, bc), p - t.b) >= 0 &&
       dot(cross(n, ca), p - t.c) >= 0) {
@@ -142,14 +129,14 @@ struct Sums {
   }
 };
 
-double distance_of(Nearest& nearest, const Point& p) {
+double distance_of(Nearest& nearest, const Vec3d& p) {
   return nearest.distance(
       {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)});
 }
 
 /// A sample at the centroid of each of n^2 equal parts.
 void sample_triangle(const Triangle& t, double step, Nearest& nearest, Sums& sums) {
-  const Point ab = t.b - t.a, ac = t.c - t.a, bc = t.c - t.b, n = cross(ab, ac);
+  const Vec3d ab = t.b - t.a, ac = t.c - t.a, bc = t.c - t.b, n = cross(ab, ac);
   const double longest = std::sqrt(std::max({dot(ab, ab), dot(ac, ac), dot(bc, bc)}));
   const int cuts = static_cast<int>(std::clamp(std::ceil(longest / step), 1.0, kMostCuts));
   const double weight = 0.5 * std::sqrt(dot(n, n)) / (static_cast<double>(cuts) * cuts);

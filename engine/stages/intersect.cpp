@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "stages/predicates.h"
+#include "types/vec3d.h"
 
 namespace vasamesh {
 
@@ -14,24 +15,13 @@ namespace {
 
 constexpr std::size_t kPairs = 256;  // pairs a task takes
 
-// ---- Dismissal in double. Each function says true only where it is certain.
-// ----------------------
+// ---- Dismissal in double. Each function says true only where it is certain. -------------------
 
-struct Vec {
-  double x, y, z;
-};
-Vec operator-(const Vec& a, const Vec& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-Vec operator+(const Vec& a, const Vec& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-Vec operator*(double s, const Vec& a) { return {s * a.x, s * a.y, s * a.z}; }
-double dot(const Vec& a, const Vec& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-Vec cross(const Vec& a, const Vec& b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-Vec unit(const Vec& a) { return (1.0 / std::sqrt(dot(a, a))) * a; }
-double largest(const Vec& a) { return std::max({std::abs(a.x), std::abs(a.y), std::abs(a.z)}); }
+Vec3d unit(const Vec3d& a) { return (1.0 / std::sqrt(dot(a, a))) * a; }
+double largest(const Vec3d& a) { return std::max({std::abs(a.x), std::abs(a.y), std::abs(a.z)}); }
 
 /// p - origin, to one rounding a component.
-Vec relative(const float* p, const float* origin) {
+Vec3d relative(const float* p, const float* origin) {
   return {double{p[0]} - origin[0], double{p[1]} - origin[1], double{p[2]} - origin[2]};
 }
 
@@ -45,7 +35,7 @@ constexpr double kDetError = 64 * 0x1p-53;
 constexpr double kCrossDotError = 192 * 0x1p-53;
 
 /// Whether planes across `axis` lie between the points a and the points b.
-bool separates(const Vec& axis, const Vec (&a)[3], const Vec (&b)[3], double m) {
+bool separates(const Vec3d& axis, const Vec3d (&a)[3], const Vec3d (&b)[3], double m) {
   const double error = 2 * kDotError * (std::abs(axis.x) + std::abs(axis.y) + std::abs(axis.z)) * m;
   const double a0 = dot(axis, a[0]), a1 = dot(axis, a[1]), a2 = dot(axis, a[2]);
   const double b0 = dot(axis, b[0]), b1 = dot(axis, b[1]), b2 = dot(axis, b[2]);
@@ -55,23 +45,23 @@ bool separates(const Vec& axis, const Vec (&a)[3], const Vec (&b)[3], double m) 
 
 /// Whether some axis shows that two triangles do not meet at all.
 bool certainly_apart(const float* const (&p)[3], const float* const (&q)[3]) {
-  Vec a[3], b[3];
+  Vec3d a[3], b[3];
   double m = 0;
   for (int i = 0; i < 3; ++i) {
     a[i] = relative(p[i], p[0]);
     b[i] = relative(q[i], p[0]);
     m = std::max({m, largest(a[i]), largest(b[i])});
   }
-  const Vec e[3] = {a[1] - a[0], a[2] - a[1], a[0] - a[2]};
-  const Vec f[3] = {b[1] - b[0], b[2] - b[1], b[0] - b[2]};
-  const Vec n = cross(e[0], e[1]), o = cross(f[0], f[1]);
+  const Vec3d e[3] = {a[1] - a[0], a[2] - a[1], a[0] - a[2]};
+  const Vec3d f[3] = {b[1] - b[0], b[2] - b[1], b[0] - b[2]};
+  const Vec3d n = cross(e[0], e[1]), o = cross(f[0], f[1]);
   if (separates(n, a, b, m) || separates(o, a, b, m)) return true;
-  for (const Vec& edge : e)
+  for (const Vec3d& edge : e)
     if (separates(cross(n, edge), a, b, m)) return true;
-  for (const Vec& edge : f)
+  for (const Vec3d& edge : f)
     if (separates(cross(o, edge), a, b, m)) return true;
-  for (const Vec& edge : e)
-    for (const Vec& other : f)
+  for (const Vec3d& edge : e)
+    for (const Vec3d& other : f)
       if (separates(cross(edge, other), a, b, m)) return true;
   return false;
 }
@@ -82,7 +72,8 @@ bool same_side(double x, double y, double error) {
 }
 
 /// Whether the plane through the origin across `axis` lies between a, b and c, d, touching none.
-bool divides(const Vec& axis, const Vec& a, const Vec& b, const Vec& c, const Vec& d, double m) {
+bool divides(const Vec3d& axis, const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d,
+             double m) {
   const double error = kDotError * (std::abs(axis.x) + std::abs(axis.y) + std::abs(axis.z)) * m;
   return dot(axis, a) > error && dot(axis, b) > error && dot(axis, c) < -error &&
          dot(axis, d) < -error;
@@ -91,27 +82,26 @@ bool divides(const Vec& axis, const Vec& a, const Vec& b, const Vec& c, const Ve
 /// Whether the triangles (v, p0, p1) and (v, q0, q1) certainly meet in v alone.
 bool certainly_meet_in_vertex(const float* v, const float* const (&p)[2],
                               const float* const (&q)[2]) {
-  const Vec a = relative(p[0], v), b = relative(p[1], v);
-  const Vec c = relative(q[0], v), d = relative(q[1], v);
+  const Vec3d a = relative(p[0], v), b = relative(p[1], v);
+  const Vec3d c = relative(q[0], v), d = relative(q[1], v);
   const double m = std::max({largest(a), largest(b), largest(c), largest(d)});
   if (divides((a + b) - (c + d), a, b, c, d, m)) return true;
   const double error = kDetError * m * m * m;
-  const Vec n = cross(a, b), o = cross(c, d);
+  const Vec3d n = cross(a, b), o = cross(c, d);
   return same_side(dot(n, c), dot(n, d), error) || same_side(dot(o, a), dot(o, b), error) ||
          divides((unit(a) + unit(b)) - (unit(c) + unit(d)), a, b, c, d, m);
 }
 
 /// Whether the triangles (u, v, p) and (v, u, q) are certainly not folded onto each other.
 bool certainly_unfolded(const float* u, const float* v, const float* p, const float* q) {
-  const Vec edge = relative(v, u), a = relative(p, u), b = relative(q, u);
+  const Vec3d edge = relative(v, u), a = relative(p, u), b = relative(q, u);
   const double m = std::max({largest(edge), largest(a), largest(b)});
-  const Vec n = cross(edge, a);
+  const Vec3d n = cross(edge, a);
   return dot(n, cross(edge, b)) < -kCrossDotError * m * m * m * m ||
          std::abs(dot(n, b)) > kDetError * m * m * m;
 }
 
-// ---- Exact decisions.
-// ------------------------------------------------------------------------------
+// ---- Exact decisions. -------------------------------------------------------------------------
 
 using Corners = const float* [3];
 

@@ -6,6 +6,8 @@
 #include <numeric>
 
 #include "stages/adjacency.h"
+#include "types/mesh_vertex.h"
+#include "types/vec3d.h"
 
 namespace vasamesh {
 
@@ -16,19 +18,7 @@ constexpr double kCloseRatio = 1.5;    // of two edges' lengths
 
 std::size_t chunks(std::size_t count) { return (count + kChunk - 1) / kChunk; }
 
-struct Point {
-  double x, y, z;
-};
-Point operator-(const Point& a, const Point& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-double dot(const Point& a, const Point& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-Point cross(const Point& a, const Point& b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-
-Point vertex(const TriangleMesh& mesh, std::uint32_t v) {
-  const float* p = mesh.vertices.data() + 3 * std::size_t{v};
-  return {p[0], p[1], p[2]};
-}
+Vec3d vertex(const TriangleMesh& mesh, std::uint32_t v) { return widened(vertex_at(mesh, v)); }
 
 struct Figures {
   double shortest, longest, mean_edge, least_angle, area, volume;
@@ -45,17 +35,17 @@ int close_pairs(const double (&edge)[3]) {
   return count;
 }
 
-Figures figures_of(const TriangleMesh& mesh, std::size_t triangle, const Point& origin) {
+Figures figures_of(const TriangleMesh& mesh, std::size_t triangle, const Vec3d& origin) {
   const std::uint32_t* t = mesh.triangles.data() + 3 * triangle;
-  const Point p[3] = {vertex(mesh, t[0]), vertex(mesh, t[1]), vertex(mesh, t[2])};
+  const Vec3d p[3] = {vertex(mesh, t[0]), vertex(mesh, t[1]), vertex(mesh, t[2])};
   double edge[3];  // edge i lies across from corner i
   for (int i = 0; i < 3; ++i) {
-    const Point e = p[(i + 2) % 3] - p[(i + 1) % 3];
+    const Vec3d e = p[(i + 2) % 3] - p[(i + 1) % 3];
     edge[i] = std::sqrt(dot(e, e));
   }
   const int least = static_cast<int>(std::min_element(edge, edge + 3) - edge);
-  const Point a = p[(least + 1) % 3] - p[least], b = p[(least + 2) % 3] - p[least];
-  const Point normal = cross(a, b);
+  const Vec3d a = p[(least + 1) % 3] - p[least], b = p[(least + 2) % 3] - p[least];
+  const Vec3d normal = cross(a, b);
   const double twice_area = std::sqrt(dot(normal, normal));
   return {edge[least],
           std::max({edge[0], edge[1], edge[2]}),
@@ -162,7 +152,7 @@ TriangleShapes triangle_shapes(Backend& backend, const TriangleMesh& mesh) {
   std::vector<double> area(chunks(count), 0), volume(chunks(count), 0);
   std::vector<std::int64_t> pairs(chunks(count), 0);
   if (count == 0) return shapes;
-  const Point origin = vertex(mesh, mesh.triangles[0]);
+  const Vec3d origin = vertex(mesh, mesh.triangles[0]);
   backend.run(chunks(count), [&](std::size_t chunk) {
     for (std::size_t t = chunk * kChunk; t < std::min((chunk + 1) * kChunk, count); ++t) {
       const Figures f = figures_of(mesh, t, origin);
