@@ -40,13 +40,16 @@
 #define STEP_Z 9
 
 /// Memory that the items of a brick share, declared at a kernel's outermost scope, and what makes
-/// its contents seen by all of them.
+/// its contents, or those of global memory, seen by all of them. Where an item takes a brick, one
+/// also takes a part of the surface or a gap.
 #if BRICK_ITEMS == 1
 #define BRICK_SHARED private
 #define BRICK_SYNC()
+#define GLOBAL_SYNC()
 #else
 #define BRICK_SHARED local
 #define BRICK_SYNC() barrier(CLK_LOCAL_MEM_FENCE)
+#define GLOBAL_SYNC() barrier(CLK_GLOBAL_MEM_FENCE)
 #endif
 
 /// The lowest bit that is set.

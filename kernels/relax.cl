@@ -1,11 +1,11 @@
 /// \file
 /// Smoothing and moves towards equal edges with projection onto the surface, a work-group a part,
-/// and how far the surface is from the triangles (engine/stages/fan_moves.h, relax.h). Contract: engine/backend/backend.h.
+/// and how far the surface is from the triangles (engine/stages/fan_moves.h, relax.h). Contract:
+/// engine/backend/backend.h.
 ///
 /// The vertices of one level have no edges in common: items take them in turn, with a barrier
 /// between levels.
 
-#define RELAX_SYNC() barrier(CLK_GLOBAL_MEM_FENCE)
 #define RELAX_POINT 9  // floats: position, normal, size, drift, and whether it is on the field
 #define RELAX_DRIFT 7
 
@@ -271,7 +271,7 @@ static void relax_equalise_vertex(const RelaxGoal *goal, const RelaxRing *ring, 
                                (int)(ring_start[f + 1] - ring_start[f]) - 1};                   \
         move(&goal, &own, vertex[f], points);                                                   \
       }                                                                                         \
-      RELAX_SYNC();                                                                             \
+      GLOBAL_SYNC();                                                                            \
     }
 
 kernel __attribute__((PLAIN_BRICK_GROUP)) void relax_smooth(

@@ -7,7 +7,6 @@
 /// turn, with a barrier between widths.
 
 #define STITCH_NEVER 3e38f  // the measure or cost of what cannot be triangulated
-#define STITCH_SYNC() barrier(CLK_GLOBAL_MEM_FENCE)
 
 /// A polygon and the rules: least cosines at corners and in the middle, reach.
 typedef struct {
@@ -107,7 +106,7 @@ static void stitch_start(int n, global float *least, global float *sum) {
     least[n + i] = 0.0f;
     sum[n + i] = 0.0f;
   }
-  STITCH_SYNC();
+  GLOBAL_SYNC();
 }
 
 /// The n - 2 triangles in order: a part's first one is known when its own turn comes, until then
@@ -211,14 +210,14 @@ kernel __attribute__((AS_WRITTEN)) void stitch_exact(STITCH_GAPS, VIEW(float, le
   for (int width = 2; width < n; ++width) {
     for (int i = get_local_id(0); i + width < n; i += get_local_size(0))
       stitch_minimise_measure(&gap, i, i + width, least, via);
-    STITCH_SYNC();
+    GLOBAL_SYNC();
   }
   const float allowed = least[n * (n - 1)];
   const int end = allowed < STITCH_NEVER ? n : 0;
   for (int width = 2; width < end; ++width) {
     for (int i = get_local_id(0); i + width < n; i += get_local_size(0))
       stitch_minimise_cost(&gap, i, i + width, allowed, least, sum, via);
-    STITCH_SYNC();
+    GLOBAL_SYNC();
   }
   if (get_local_id(0) != 0) return;
   closed[closed_first + g] = end > 0;
@@ -298,7 +297,7 @@ kernel __attribute__((AS_WRITTEN)) void stitch_paper(STITCH_GAPS, VIEW(const flo
   for (int width = 2; width < n; ++width) {
     for (int i = get_local_id(0); i + width < n; i += get_local_size(0))
       stitch_minimise_all(&gap, &tables, across, i, i + width);
-    STITCH_SYNC();
+    GLOBAL_SYNC();
   }
   if (get_local_id(0) != 0) return;
   const bool found = tables.least[n * (n - 1)] < STITCH_NEVER;
