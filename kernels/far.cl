@@ -18,8 +18,8 @@ typedef struct {
   int edge;
 } FarOffset;
 
-/// Two or three faces of a cube, the distances from them and from the cube's corner to their middle,
-/// and where that is from the corner.
+/// Two or three faces of a cube, the distances from them and from the cube's corner to their
+/// middle, and where that is from the corner.
 typedef struct {
   int count, face[3];
   float from_face[3], from_corner, middle[3];
@@ -371,7 +371,8 @@ kernel __attribute__((PLAIN_BRICK_GROUP)) void lattice_mark_far(
     vstore4(edge_length.s0123, 0, test.edge_length);
     vstore3(edge_length.s456, 0, test.edge_length + 4);
     for (int i = get_local_id(0); i < FAR_FACES * FAR_FACES; i += BRICK_ITEMS)
-      face_rows[i] = far_measure_faces(&test, octants, i % FAR_FACES - 1, i / FAR_FACES - 1, from_face);
+      face_rows[i] =
+          far_measure_faces(&test, octants, i % FAR_FACES - 1, i / FAR_FACES - 1, from_face);
     BRICK_SYNC();
     for (int row = get_local_id(0); row < BRICK_ROWS; row += BRICK_ITEMS) {
       const uint far = far_row_marks(&test, octants, row & 7, row >> 3);

@@ -110,10 +110,9 @@ static FieldSample field_sample(const Field *field, float3 p) {
   return sample;
 }
 
-/// At most `steps` Newton steps onto the zero set, none longer than `reach` in all; `known` is false where they do
-/// not come within 1 % of a voxel length.
-static FieldSample field_project(const Field *field, float reach, int steps,
-                                   float3 *place) {
+/// At most `steps` Newton steps onto the zero set, none longer than `reach` in all; `known` is false
+/// where they do not come within 1 % of a voxel length.
+static FieldSample field_project(const Field *field, float reach, int steps, float3 *place) {
   const float near = 0.01f, there = 0.001f;
   const FieldSample none = {0.0f, (float3)(0.0f), false};
   const float3 start = *place;

@@ -170,10 +170,9 @@ static uint lattice_solid(BRICK_SHARED const uint *voxels, int connectivity, int
   return connectivity == 18 ? row & ~lattice_trimmed(voxels, y, z) : row;
 }
 
-kernel __attribute__((PLAIN_BRICK_GROUP)) void lattice_label(int4 size, int connectivity, int4 radius,
-                                                       VIEW(const ulong, object),
-                                                       VIEW(const int, coords),
-                                                       VIEW(uchar, state)) {
+kernel __attribute__((PLAIN_BRICK_GROUP)) void lattice_label(
+    int4 size, int connectivity, int4 radius, VIEW(const ulong, object), VIEW(const int, coords),
+    VIEW(uchar, state)) {
   BRICK_SHARED uint voxels[LATTICE_VOXELS * LATTICE_VOXELS];
   BRICK_SHARED uint along_x[LATTICE_NODES * LATTICE_NODES];
   BRICK_SHARED uint along_y[8 * LATTICE_NODES];

@@ -151,8 +151,9 @@ kernel __attribute__((BRICK_GROUP)) void poisson_restrict(VIEW(const int, childr
     const float first = table_cell(fine, table, 4, 7, y, z),
                 last = table_cell(fine, table, 4, 24, y, z);
     const float8 u = table_row(fine, table, 4, 1, y, z), v = table_row(fine, table, 4, 2, y, z);
-    along_x[i] = octree_restrict_four((float8)(first, u.s1357, v.s13, v.s5), (float8)(u.s0246, v.s0246),
-                                      (float8)(u.s1357, v.s1357), (float8)(u.s24, u.s6, v.s0246, last));
+    along_x[i] =
+        octree_restrict_four((float8)(first, u.s1357, v.s13, v.s5), (float8)(u.s0246, v.s0246),
+                             (float8)(u.s1357, v.s1357), (float8)(u.s24, u.s6, v.s0246, last));
   }
   BRICK_SYNC();
   for (int i = get_local_id(0); i < 18 * 8; i += BRICK_ITEMS) {

@@ -21,8 +21,9 @@ static ulong thin_eight(global const uchar *row, int bytes, long x, long size) {
 }
 
 /// A work-item a word.
-kernel __attribute__((ELEMENT_GROUP)) void volume_pack(VIEW(const uchar, volume), long4 given, int bytes, int4 size,
-                        ulong word_count, VIEW(ulong, words)) {
+kernel __attribute__((ELEMENT_GROUP)) void volume_pack(
+    VIEW(const uchar, volume), long4 given, int bytes, int4 size, ulong word_count,
+    VIEW(ulong, words)) {
   TAKE(volume);
   TAKE(words);
   const ulong i = get_global_id(0);
@@ -74,8 +75,8 @@ static bool thin_at_rim(ulong row, int4 size) {
 }
 
 /// eroded = the object eroded by the cube.
-kernel __attribute__((ELEMENT_GROUP)) void points_thin_erode(int4 size, ulong rows, VIEW(const ulong, object),
-                              VIEW(ulong, eroded)) {
+kernel __attribute__((ELEMENT_GROUP)) void points_thin_erode(
+    int4 size, ulong rows, VIEW(const ulong, object), VIEW(ulong, eroded)) {
   const ulong row = get_global_id(0);
   if (row >= rows) return;
   object += object_first + row * size.w;
@@ -95,9 +96,9 @@ kernel __attribute__((ELEMENT_GROUP)) void points_thin_erode(int4 size, ulong ro
 
 /// thin = the object without the eroded object dilated by the cube; flags: a byte a row, whether it
 /// has any.
-kernel __attribute__((ELEMENT_GROUP)) void points_thin_subtract(int4 size, ulong rows, VIEW(const ulong, object),
-                                 VIEW(const ulong, eroded), VIEW(ulong, thin),
-                                 VIEW(uchar, flags)) {
+kernel __attribute__((ELEMENT_GROUP)) void points_thin_subtract(
+    int4 size, ulong rows, VIEW(const ulong, object), VIEW(const ulong, eroded), VIEW(ulong, thin),
+    VIEW(uchar, flags)) {
   const ulong row = get_global_id(0);
   if (row >= rows) return;
   object += object_first + row * size.w;
@@ -122,8 +123,8 @@ kernel __attribute__((ELEMENT_GROUP)) void points_thin_subtract(int4 size, ulong
 }
 
 /// refine = thin dilated by the cube.
-kernel __attribute__((ELEMENT_GROUP)) void points_thin_dilate(int4 size, ulong rows, VIEW(const ulong, thin),
-                               VIEW(const uchar, flags), VIEW(ulong, refine)) {
+kernel __attribute__((ELEMENT_GROUP)) void points_thin_dilate(
+    int4 size, ulong rows, VIEW(const ulong, thin), VIEW(const uchar, flags), VIEW(ulong, refine)) {
   const ulong row = get_global_id(0);
   if (row >= rows) return;
   thin += thin_first + row * size.w;
@@ -177,8 +178,8 @@ static bool thin_column_is_empty(global const ulong *object, int4 size, int w, i
 }
 
 /// A work-item the eight bricks that share words.
-kernel __attribute__((PLAIN_ELEMENT_GROUP)) void points_mark_bricks(int4 size, ulong count, VIEW(const ulong, object),
-                               VIEW(uchar, octants)) {
+kernel __attribute__((PLAIN_ELEMENT_GROUP)) void points_mark_bricks(
+    int4 size, ulong count, VIEW(const ulong, object), VIEW(uchar, octants)) {
   const ulong i = get_global_id(0);
   if (i >= count) return;
   TAKE(object);

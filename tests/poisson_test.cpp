@@ -375,7 +375,8 @@ TEST_F(IndicatorFunction, ThinVesselsKeepTheirWidthBetweenBranchings) {
   for (std::size_t i = 0; i < p.count; ++i) {
     const Position at = {p.position[0][i], p.position[1][i], p.position[2][i]};
     double farthest = 0;  // from the nearest branching, along a strut
-    for (const double a : at) farthest = std::max(farthest, std::fabs(std::remainder(a - (kPad + 5.5), 8)));
+    for (const double a : at)
+      farthest = std::max(farthest, std::fabs(std::remainder(a - (kPad + 5.5), 8)));
     if (farthest > 1.6 && farthest < 3) continue;
     const std::size_t kind = farthest < 2 ? 0 : 1;
     sum[kind] += refined.at(at);

@@ -157,8 +157,7 @@ void expect_closed(Scene& scene, TriangleMesh mesh, const Topology& wanted,
   EXPECT_TRUE(std::equal(before.vertices.begin(), before.vertices.end(), mesh.vertices.begin()));
 }
 
-// --- Loops.
-// ---------------------------------------------------------------------------------------
+// --- Loops. -------------------------------------------------------------------------------------
 
 TEST(GapLoops, OfAClosedSurfaceAreNone) {
   EXPECT_EQ(find_gap_loops(backend(), ball().mesh).count(), 0u);
@@ -233,8 +232,7 @@ TEST(GapLoops, TurningTellsDiscsFromAnnuli) {
   for (std::size_t l = 0; l < 2; ++l) EXPECT_NEAR(turning_of(tube.field, open, two[l]), 0, 0.8);
 }
 
-// --- Closing.
-// -------------------------------------------------------------------------------------
+// --- Closing. -----------------------------------------------------------------------------------
 
 TEST(Stitch, NothingToDo) {
   TriangleMesh mesh = ball().mesh;
@@ -398,8 +396,7 @@ TEST(Stitch, AVesselsEndGetsItsTip) {
   expect_good_surface(mesh, {1, 0, 0});
 }
 
-// --- What cannot be closed.
-// -----------------------------------------------------------------------
+// --- What cannot be closed. ---------------------------------------------------------------------
 
 TEST(Stitch, ALoneTriangleStaysOpen) {
   // Its gap is its own other side.

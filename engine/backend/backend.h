@@ -390,8 +390,7 @@ class Backend : public Memory {
   virtual void stitch_triangulate(const GapRules& rules, StitchMode mode, const GapView& gaps,
                                   View<std::uint8_t> closed, View<std::uint16_t> triangles) = 0;
 
-  // --- Relaxation (engine/stages/fan_moves.h).
-  // ----------------------------------------------------
+  // --- Relaxation (engine/stages/fan_moves.h). --------------------------------------------------
 
   /// Smooths the vertices of each part, level by level, `passes` times (smooth_vertex). All lie on
   /// the field.
@@ -409,8 +408,7 @@ class Backend : public Memory {
   virtual void relax_gaps(const FieldView& field, const FanView& fans,
                           View<const SurfacePoint> points, View<float> gaps) = 0;
 
-  // --- Proof (engine/stages/candidate_pairs.h).
-  // ---------------------------------------------------
+  // --- Proof (engine/stages/candidate_pairs.h). -------------------------------------------------
 
   /// Pairs of triangles that may intersect (PairSearch): counts[leaf] = those of a leaf's triangles
   /// with its own and later leaves'.

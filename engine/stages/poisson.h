@@ -26,9 +26,9 @@ inline constexpr int kLevelIterations = 12;
 /// Knot distance of the splatting kernel where the vessel is thin, in voxel lengths.
 inline constexpr float kThinKernel = 0.75f;
 
-/// Standard deviations of the local isovalue's kernels, in voxel lengths: where the vessel is thick,
-/// and where it is thin, for there a mean over more lets branchings swell and draws what lies
-/// between them to threads. Of the wide kernel that share stays there too: the narrow one alone
+/// Standard deviations of the local isovalue's kernels, in voxel lengths: where the vessel is
+/// thick, and where it is thin, for there a mean over more lets branchings swell and draws what
+/// lies between them to threads. Of the wide kernel that share stays there too: the narrow one alone
 /// gives the field spikes that a front runs away on.
 inline constexpr float kWideSigma = 2.0f, kNarrowSigma = 0.9f, kLeastWideShare = 0.25f;
 

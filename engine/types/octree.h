@@ -38,8 +38,8 @@ struct OctreeLevel {
   LevelView view() const { return {exponent, bricks.view(), weights}; }
 };
 
-/// Levels from the root (at most 3 x 3 x 3 bricks, from -1 to 1) to the finest: the regular one (exponent 0) and, where
-/// vessels are thin, the refined one (exponent -1).
+/// Levels from the root (at most 3 x 3 x 3 bricks, from -1 to 1) to the finest: the regular one
+/// (exponent 0) and, where vessels are thin, the refined one (exponent -1).
 struct Octree {
   std::vector<OctreeLevel> levels;
 

@@ -15,8 +15,7 @@ std::string status_name(cl_int status);
 
 /// Nothing for CL_SUCCESS. \param what  what was tried and on which device, for the message.
 /// \throws DeviceFailure refused for memory that is not to be had, no_device for a device that is
-/// gone,
-///         internal otherwise.
+///         gone, internal otherwise.
 void check(cl_int status, const std::string& what);
 
 /// A property of a device or a platform. \throws DeviceFailure where it does not answer.
