@@ -15,7 +15,7 @@ tools=(g++ cmake ninja-build pkg-config)
 libraries=(libinsighttoolkit5-dev libvtk9-dev libtbb-dev ocl-icd-opencl-dev opencl-headers
   pocl-opencl-icd libeigen3-dev libnanoflann-dev libcli11-dev libfmt-dev libspdlog-dev
   nlohmann-json3-dev libcgal-dev libisal-dev)
-for_tests=(libgtest-dev libgmock-dev libbenchmark-dev zlib1g-dev)
+for_tests=(libgtest-dev libgmock-dev libbenchmark-dev zlib1g-dev oclgrind)
 for_pictures=(xvfb libgl1-mesa-dri)
 packages=("${tools[@]}" "${libraries[@]}" "${for_tests[@]}" "${for_pictures[@]}")
 
