@@ -10,8 +10,8 @@
 namespace vasamesh::cli {
 
 /// Installs the handlers, before any work; signals that are ignored stay so. A file past the limit
-/// of its size (ulimit -f) is a write that fails. \param ask_first  false: nothing can be left half
-/// done, so the first signal ends the program.
+/// of its size (ulimit -f) is a write that fails.
+/// \param ask_first  false: nothing can be left half done, so the first signal ends the program.
 void catch_interrupts(bool ask_first);
 
 /// Set by the first signal.
