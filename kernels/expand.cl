@@ -200,7 +200,7 @@ static void expand_store(const ExpandPlan *plan, global ExpandProposal *proposal
 
 /// A work-item a chosen corner.
 kernel __attribute__((PLAIN_ELEMENT_GROUP)) void expand_propose(ulong count, FIELD_VIEW, SIZES_VIEW,
-                                                          FRONT_VIEW, float4 limits) {
+                                                                FRONT_VIEW, float4 limits) {
   const size_t i = get_global_id(0);
   if (i >= count) return;
   const Field field = TAKE_FIELD;
@@ -354,7 +354,7 @@ static void expand_add_fan(const Field *field, const ExpandFront *front, uint co
 
 /// A work-item a chosen corner.
 kernel __attribute__((PLAIN_ELEMENT_GROUP)) void expand_add(ulong count, FIELD_VIEW, FRONT_VIEW,
-                                                      uint outside) {
+                                                            uint outside) {
   const size_t i = get_global_id(0);
   if (i >= count) return;
   const Field field = TAKE_FIELD;

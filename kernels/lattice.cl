@@ -105,9 +105,9 @@ static uint lattice_own(uint bits) { return bits >> LATTICE_NODE_MARGIN & 0xff; 
   BRICK_SYNC()
 
 kernel __attribute__((PLAIN_BRICK_GROUP)) void lattice_mark(int4 size, int4 radius,
-                                                      VIEW(const ulong, object),
-                                                      VIEW(const int, coords),
-                                                      VIEW(uchar, used)) {
+                                                            VIEW(const ulong, object),
+                                                            VIEW(const int, coords),
+                                                            VIEW(uchar, used)) {
   BRICK_SHARED uint voxels[LATTICE_VOXELS * LATTICE_VOXELS];
   BRICK_SHARED uint along_x[LATTICE_NODES * LATTICE_NODES];
   BRICK_SHARED uint along_y[8 * LATTICE_NODES];
@@ -217,11 +217,11 @@ static bool lattice_refined_here(global const int *near) {
 }
 
 kernel __attribute__((PLAIN_BRICK_GROUP)) void lattice_sample(VIEW(const int, coords),
-                                                        VIEW(const int, in_regular),
-                                                        VIEW(const float, regular),
-                                                        VIEW(const int, in_refined),
-                                                        VIEW(const float, refined),
-                                                        VIEW(float, values)) {
+                                                              VIEW(const int, in_regular),
+                                                              VIEW(const float, regular),
+                                                              VIEW(const int, in_refined),
+                                                              VIEW(const float, refined),
+                                                              VIEW(float, values)) {
   BRICK_SHARED float8 along_x[9 * 9];
   BRICK_SHARED float8 along_y[9 * 8];
   TAKE(coords);

@@ -62,10 +62,9 @@ static uint points_of_mask(uint mask, bool refined) {
   return count;
 }
 
-kernel __attribute__((PLAIN_BRICK_GROUP)) void points_count(int4 size, VIEW(const ulong, object),
-                                                      VIEW(const ulong, refine),
-                                                      VIEW(const int, coords), VIEW(uint, counts),
-                                                      VIEW(uint, refined)) {
+kernel __attribute__((PLAIN_BRICK_GROUP)) void points_count(
+    int4 size, VIEW(const ulong, object), VIEW(const ulong, refine), VIEW(const int, coords),
+    VIEW(uint, counts), VIEW(uint, refined)) {
   BRICK_SHARED uint block[POINTS_SPAN * POINTS_SPAN];
   BRICK_SHARED uint from_refined[BRICK_ITEMS];
   TAKE(object);

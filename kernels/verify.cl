@@ -214,7 +214,7 @@ static uint verify_leaf(const VerifyTree *tree, uint leaf, global uint *pairs) {
    level_first + level_first_first, triangle_count, levels}
 
 kernel __attribute__((PLAIN_ELEMENT_GROUP)) void verify_count_pairs(ulong leaves, VERIFY_TREE,
-                                                              VIEW(uint, counts)) {
+                                                                    VIEW(uint, counts)) {
   const size_t leaf = get_global_id(0);
   if (leaf >= leaves) return;
   const VerifyTree tree = TAKE_TREE;
@@ -222,8 +222,8 @@ kernel __attribute__((PLAIN_ELEMENT_GROUP)) void verify_count_pairs(ulong leaves
 }
 
 kernel __attribute__((PLAIN_ELEMENT_GROUP)) void verify_collect_pairs(ulong leaves, VERIFY_TREE,
-                                                                VIEW(const uint, starts),
-                                                                VIEW(uint, pairs)) {
+                                                                      VIEW(const uint, starts),
+                                                                      VIEW(uint, pairs)) {
   const size_t leaf = get_global_id(0);
   if (leaf >= leaves) return;
   TAKE(starts);

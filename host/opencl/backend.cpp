@@ -17,10 +17,6 @@ constexpr std::size_t kReduceLast = 8192;  // sums that one work-group adds
 
 std::size_t pieces(std::size_t count, std::size_t size) { return (count + size - 1) / size; }
 
-bool is_cpu(const cl::Device& device) {
-  return (ask<CL_DEVICE_TYPE>(device) & CL_DEVICE_TYPE_CPU) != 0;
-}
-
 WorkShape usual_shape(const cl::Device& device) {
   return is_cpu(device) ? kOneItemShape : kWorkGroupShape;
 }

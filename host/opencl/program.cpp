@@ -16,8 +16,7 @@ namespace {
 /// kernel has a barrier.
 bool is_pocl_3(const cl::Device& device) {
   const cl::Platform platform(ask<CL_DEVICE_PLATFORM>(device));
-  return ask<CL_PLATFORM_VERSION>(platform).find("PoCL 3.") != std::string::npos &&
-         (ask<CL_DEVICE_TYPE>(device) & CL_DEVICE_TYPE_CPU) != 0;
+  return is_cpu(device) && ask<CL_PLATFORM_VERSION>(platform).find("PoCL 3.") != std::string::npos;
 }
 
 std::string options_of(const cl::Device& device, const WorkShape& shape) {
@@ -133,6 +132,10 @@ cl::Program Programs::build(const std::string& source) const {
 bool keeps_programs(const cl::Device& device) {
   const cl::Platform platform(ask<CL_DEVICE_PLATFORM>(device));
   return ask<CL_PLATFORM_NAME>(platform).find("Portable Computing Language") != std::string::npos;
+}
+
+bool is_cpu(const cl::Device& device) {
+  return (ask<CL_DEVICE_TYPE>(device) & CL_DEVICE_TYPE_CPU) != 0;
 }
 
 }  // namespace vasamesh

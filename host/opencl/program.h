@@ -52,4 +52,7 @@ class Programs {
 /// they are launched; asking it for a program's binary makes it build each kernel once more.)
 bool keeps_programs(const cl::Device& device);
 
+/// Whether the device is a processor, which shares the host's memory.
+bool is_cpu(const cl::Device& device);
+
 }  // namespace vasamesh
