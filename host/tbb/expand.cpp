@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <utility>
 #include <vector>
 
 #include "stages/expand_propose.h"
@@ -18,21 +17,6 @@ constexpr std::size_t kProposalGrain = 16;  // proposals a task takes
 constexpr std::size_t kNearUsual = 128;     // edges near a corner, hardly ever more
 
 enum Mark : std::uint8_t { kDropped, kKept, kChosen };
-
-/// How many of a block's corners are kept and chosen, and then where its own go.
-struct BlockCounts {
-  std::uint32_t kept = 0, chosen = 0;
-};
-
-/// Turns counts into starts, in place. \return the sums.
-BlockCounts starts_of(std::vector<BlockCounts>& blocks) {
-  BlockCounts sum;
-  for (BlockCounts& block : blocks) {
-    block.kept = std::exchange(sum.kept, sum.kept + block.kept);
-    block.chosen = std::exchange(sum.chosen, sum.chosen + block.chosen);
-  }
-  return sum;
-}
 
 Mark mark_of(const FrontView& front, std::uint32_t corner) {
   if (front.corners[corner].state == CornerState::dead) return kDropped;
@@ -61,26 +45,15 @@ void TbbBackend::expand_choose(const FieldView& field, std::uint32_t round, bool
   for_each(count, kCornerGrain,
            [&](std::size_t i) { measure_corner(field, front, round, wake, front.listed[i]); });
   std::vector<Mark> marks(count);
-  std::vector<BlockCounts> blocks((count + kCornerGrain - 1) / kCornerGrain);
-  for_each(blocks.size(), 1, [&](std::size_t block) {
-    const std::size_t end = std::min((block + 1) * kCornerGrain, count);
-    for (std::size_t i = block * kCornerGrain; i < end; ++i) {
-      marks[i] = mark_of(front, front.listed[i]);
-      blocks[block].kept += marks[i] != kDropped;
-      blocks[block].chosen += marks[i] == kChosen;
-    }
-  });
-  const BlockCounts sums = starts_of(blocks);
-  for_each(blocks.size(), 1, [&](std::size_t block) {
-    BlockCounts next = blocks[block];
-    const std::size_t end = std::min((block + 1) * kCornerGrain, count);
-    for (std::size_t i = block * kCornerGrain; i < end; ++i) {
-      if (marks[i] != kDropped) front.alive[next.kept++] = front.listed[i];
-      if (marks[i] == kChosen) front.chosen[next.chosen++] = front.listed[i];
-    }
-  });
-  counts.alive = sums.kept;
-  counts.chosen = sums.chosen;
+  for_each(count, kCornerGrain, [&](std::size_t i) { marks[i] = mark_of(front, front.listed[i]); });
+  // On one thread: it is less than what the start of tasks takes.
+  std::uint32_t alive = 0, chosen = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (marks[i] != kDropped) front.alive[alive++] = front.listed[i];
+    if (marks[i] == kChosen) front.chosen[chosen++] = front.listed[i];
+  }
+  counts.alive = alive;
+  counts.chosen = chosen;
 }
 
 void TbbBackend::expand_claim(const FieldView& field, const FrontView& front) {
