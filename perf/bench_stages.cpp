@@ -69,10 +69,10 @@ void register_stages() {
 
 void describe_machine() {
   for (const int threads : kThreads) {
-    const std::string suffix = "_" + std::to_string(threads) + "_threads";
-    benchmark::AddCustomContext("bandwidth_GBps" + suffix,
+    const std::string suffix = std::to_string(threads) + "_threads";
+    benchmark::AddCustomContext("bandwidth_GBps_" + suffix,
                                 std::to_string(machine(threads).bandwidth * 1e-9));
-    benchmark::AddCustomContext("arithmetic_Gops" + suffix,
+    benchmark::AddCustomContext("arithmetic_Gops_" + suffix,
                                 std::to_string(machine(threads).arithmetic * 1e-9));
   }
 }
