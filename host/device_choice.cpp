@@ -1,20 +1,14 @@
 #include "device_choice.h"
 
 #include <algorithm>
-#include <cctype>
 #include <iterator>
 
+#include "lower_case.h"
 #include "vasamesh/errors.h"
 
 namespace vasamesh {
 
 namespace {
-
-std::string lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
 
 std::string describe(const std::vector<DeviceInfo>& devices) {
   std::string text;
@@ -33,7 +27,7 @@ std::vector<DeviceInfo> matching(const std::vector<DeviceInfo>& devices,
     if (std::to_string(device.number) == wanted || device.type == wanted) return {device};
   std::copy_if(devices.begin(), devices.end(), std::back_inserter(found),
                [&](const DeviceInfo& device) {
-                 return lower(device.name).find(wanted) != std::string::npos;
+                 return lower_case(device.name).find(wanted) != std::string::npos;
                });
   return found;
 }
@@ -42,7 +36,7 @@ std::vector<DeviceInfo> matching(const std::vector<DeviceInfo>& devices,
 
 DeviceInfo choose_device(const std::vector<DeviceInfo>& devices, const std::string& wanted,
                          const std::string& asked_by) {
-  const std::vector<DeviceInfo> found = matching(devices, lower(wanted));
+  const std::vector<DeviceInfo> found = matching(devices, lower_case(wanted));
   if (found.size() == 1) return found[0];
   throw Error(ErrorCode::no_device, asked_by + ": \"" + wanted + "\" fits " +
                                         (found.empty() ? "no device" : "several devices") +

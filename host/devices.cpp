@@ -6,7 +6,6 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <thread>
 
 #include "backend/backend.h"
 #include "device_choice.h"
@@ -41,7 +40,7 @@ DeviceInfo describe_cpu() {
   info.name = processor_name();
   info.driver = std::string("oneTBB ") + TBB_runtime_version();
   info.memory = static_cast<std::int64_t>(sysconf(_SC_PHYS_PAGES)) * sysconf(_SC_PAGE_SIZE);
-  info.compute_units = static_cast<int>(std::thread::hardware_concurrency());
+  info.compute_units = processor_count();
   info.doubles = true;
   return info;
 }

@@ -3,7 +3,7 @@
 #include <map>
 
 #include "io/io_error.h"
-#include "io/text_header.h"
+#include "lower_case.h"
 
 namespace vasamesh {
 namespace {

@@ -16,6 +16,7 @@
 #include "io/length_unit.h"
 #include "io/text_header.h"
 #include "io/volume_formats.h"
+#include "lower_case.h"
 
 namespace vasamesh {
 namespace {

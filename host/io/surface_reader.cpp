@@ -29,8 +29,8 @@
 #include "io/ply_reader.h"
 #include "io/quiet.h"
 #include "io/surface_io.h"
-#include "io/text_header.h"
 #include "io/trial.h"
+#include "lower_case.h"
 
 namespace vasamesh {
 namespace {

@@ -1,13 +1,12 @@
 #include "io/text_header.h"
 
-#include <algorithm>
-#include <cctype>
 #include <cstdlib>
 #include <filesystem>
 #include <string_view>
 
 #include "io/byte_stream.h"
 #include "io/io_error.h"
+#include "lower_case.h"
 
 namespace vasamesh {
 namespace {
@@ -26,12 +25,6 @@ std::string trimmed(std::string_view text) {
 std::string TextHeader::get(const std::string& key, const std::string& otherwise) const {
   const auto field = fields.find(key);
   return field == fields.end() ? otherwise : field->second;
-}
-
-std::string lower_case(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
 }
 
 std::string TextHeader::get_lower(const std::string& key, const std::string& otherwise) const {

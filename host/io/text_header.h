@@ -27,8 +27,6 @@ struct TextHeader {
 TextHeader read_text_header(const std::string& path, const std::string& separator,
                             bool (*last)(const std::string& key, const std::string& line));
 
-std::string lower_case(std::string text);
-
 /// The file that `header_path` names `name`, beside it unless the name is absolute.
 std::string beside(const std::string& header_path, const std::string& name);
 

@@ -7,7 +7,6 @@
 #include <iterator>
 #include <map>
 #include <string_view>
-#include <thread>
 
 #include "backend/backend.h"
 #include "device_choice.h"
@@ -35,11 +34,9 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
-int processors() { return std::max(1, static_cast<int>(std::thread::hardware_concurrency())); }
-
 std::vector<int> usual_threads() {
   std::vector<int> threads;
-  const int most = processors();
+  const int most = processor_count();
   for (int n = 1; n < most; n *= 2) threads.push_back(n);
   threads.push_back(most);
   return threads;
@@ -60,7 +57,7 @@ BenchWay tbb_way(const DeviceInfo& cpu, int threads) {
   way.context.threads = threads;
   way.name = "tbb " + std::to_string(threads);
   way.device = cpu.name;
-  const int at_once = std::clamp(threads, 1, processors());
+  const int at_once = std::clamp(threads, 1, processor_count());
   way.speed = {measure_bandwidth(at_once), measure_arithmetic(at_once)};
   return way;
 }
@@ -220,7 +217,7 @@ std::vector<BenchWay> bench_ways(const std::vector<std::string>& backends,
 
 BenchTable bench(const VolumeView& volume, const Parameters& parameters,
                  const std::vector<BenchWay>& ways, int repeat) {
-  int most = processors();
+  int most = processor_count();
   for (const BenchWay& way : ways) most = std::max(most, way.context.threads);
   const tbb::global_control as_many(tbb::global_control::max_allowed_parallelism,
                                     static_cast<std::size_t>(most));

@@ -38,10 +38,11 @@ int arena_threads(int asked) {
 
 }  // namespace
 
+int processor_count() { return std::max(1, static_cast<int>(std::thread::hardware_concurrency())); }
+
 int capped_threads(int asked) {
   constexpr int kPerProcessor = 4;
-  const int processors = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-  return std::min(asked, kPerProcessor * processors);
+  return std::min(asked, kPerProcessor * processor_count());
 }
 
 std::shared_ptr<Backend> make_tbb_backend(int threads, void* task_arena,

@@ -11,6 +11,9 @@
 
 namespace vasamesh {
 
+/// Of the machine, at least 1.
+int processor_count();
+
 /// How many threads are started where `asked` are wanted: at most four for each processor, since
 /// more would only wait for each other.
 int capped_threads(int asked);
