@@ -2,6 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <memory>
+#include <set>
+#include <vector>
+
+#include "backend/backend.h"
 #include "opencl/backend.h"
 #include "phantom/phantom.h"
 #include "tbb/backend.h"
@@ -109,6 +115,37 @@ TEST(OpenClMixed, ServesAgainAfterACancel) {
     EXPECT_EQ(got.mesh.triangles, want.mesh.triangles);
   }
   EXPECT_GT(cancelled, 2);
+}
+
+/// What was lent to a pass that was stopped belongs to its owner again: no later command writes it.
+TEST(OpenClMixed, StoppedPassKeepsNoLoan) {
+  if (list_opencl_devices().empty()) GTEST_SKIP() << "no OpenCL device here";
+  OpenClOptions options;
+  options.copies = DeviceCopies::separate;
+  const std::shared_ptr<Backend> backend = make_opencl_backend(options);
+  constexpr std::size_t kCount = 400 * kBrickCells;  // more than is copied at once
+  std::vector<float> lent(kCount), other(kCount, 2);
+  Buffer<float> own(*backend, 1000);
+  int told = 0, last = 0;
+  backend->set_checkpoint([&] {
+    if (++told == last) throw Error(ErrorCode::cancelled, "stopped");
+  });
+  const auto add = [&] {
+    told = 0;
+    std::fill(lent.begin(), lent.end(), 1.0f);
+    backend->field_add(1, {other.data(), 0, kCount}, {lent.data(), 0, kCount});
+  };
+  add();
+  EXPECT_EQ(lent.back(), 3);
+  const int all = told;
+  ASSERT_GE(all, 3);
+  for (last = 1; last <= all; ++last) {
+    EXPECT_THROW(add(), Error) << last;
+    std::fill(lent.begin(), lent.end(), 77.0f);
+    backend->fill(own.view(), 0.0f);
+    backend->finish();
+    EXPECT_TRUE(std::all_of(lent.begin(), lent.end(), [](float x) { return x == 77; })) << last;
+  }
 }
 
 /// What the host has written reaches a device's own memory, remeshed patches and the front

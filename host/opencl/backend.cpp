@@ -150,11 +150,12 @@ void OpenClBackend::run(std::size_t tasks, const std::function<void(std::size_t)
 template <class T>
 void OpenClBackend::fill_view(View<T> values, T value) {
   if (values.size == 0) return;
-  check(
-      clEnqueueFillBuffer(queue_(), memory_of(values), &value, sizeof(T), values.offset * sizeof(T),
-                          values.size * sizeof(T), 0, nullptr, nullptr),
-      "fill on " + device_name_);
-  memory_->finish_loans();
+  memory_->command([&] {
+    check(clEnqueueFillBuffer(queue_(), memory_of(values), &value, sizeof(T),
+                              values.offset * sizeof(T), values.size * sizeof(T), 0, nullptr,
+                              nullptr),
+          "fill on " + device_name_);
+  });
 }
 
 void OpenClBackend::fill(View<float> values, float value) { fill_view(values, value); }

@@ -76,7 +76,6 @@ cl_mem DeviceMemory::on_device(void* handle, std::size_t bytes, bool writes) {
   if (!handle) return nullptr;
   Allocation* own = find(handle);
   if (own && own->device_stale) copy_in(own->memory, 0, handle, own->bytes);
-  idle_ = false;
   if (!own) return lend(handle, bytes, writes);
   if (shared_) return own->memory;
   own->device_stale = false;
@@ -84,8 +83,8 @@ cl_mem DeviceMemory::on_device(void* handle, std::size_t bytes, bool writes) {
   return own->memory;
 }
 
-/// What is not ours may be freed once we return: there is no leaving before the end. Nor does a
-/// loan outlive what is thrown here.
+/// Takes back what was lent. What is not ours may be freed once we return: there is no leaving
+/// before the end. Nor does a loan outlive what is thrown here.
 void DeviceMemory::finish_loans() {
   const std::vector<Loan> loans = std::exchange(loans_, {});
   if (loans.empty()) return;

@@ -37,15 +37,23 @@ class DeviceMemory {
   void* allocate(std::size_t bytes);
   void release(void* handle) noexcept;
 
-  /// The device's memory of an allocation, up to date, for a kernel that writes it or does not. An
-  /// address that allocate() has not given is lent to the device until finish_loans().
+  /// Runs `queue`, which asks for the memory of one command by on_device() and queues it. What was
+  /// lent to it comes back with what it has written, or is forgotten where it was not queued.
+  template <class Queue>
+  void command(const Queue& queue) {
+    try {
+      queue();
+    } catch (...) {
+      loans_.clear();
+      throw;
+    }
+    idle_ = false;
+    finish_loans();
+  }
+
+  /// The device's memory of an allocation, up to date, for a command that writes it or does not. An
+  /// address that allocate() has not given is lent to the device until the command has ended.
   cl_mem on_device(void* handle, std::size_t bytes, bool writes);
-
-  /// Takes back what was lent, with what the queued kernel has written.
-  void finish_loans();
-
-  /// Forgets what was lent to a kernel that was not queued.
-  void drop_loans() { loans_.clear(); }
 
   /// Brings the host's memory up to date, for the host to read, or to write.
   void bring_to_host(void* handle, bool writes);
@@ -73,6 +81,7 @@ class DeviceMemory {
     bool writes;
   };
 
+  void finish_loans();
   void give_back(void* handle, const Allocation& allocation);
   void give_back_left();
   cl_mem create(std::size_t bytes, cl_mem_flags flags, void* host);

@@ -184,14 +184,14 @@ class OpenClBackend final : public Backend {
   void launch(const char* name, std::size_t groups, int items, const Arguments&... arguments) {
     if (groups == 0) return;
     cl::Kernel& kernel = programs_->kernel(name);
-    memory_->drop_loans();  // of a launch that failed
-    cl_uint index = 0;
-    (set(kernel, index, arguments), ...);
-    check(queue_.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(groups * items),
-                                      cl::NDRange(items)),
-          std::string(name) + " on " + device_name_);
-    ++launches_;
-    memory_->finish_loans();
+    memory_->command([&] {
+      cl_uint index = 0;
+      (set(kernel, index, arguments), ...);
+      check(queue_.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(groups * items),
+                                        cl::NDRange(items)),
+            std::string(name) + " on " + device_name_);
+      ++launches_;
+    });
   }
   template <class T>
   cl_mem memory_of(const View<T>& view) {

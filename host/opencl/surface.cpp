@@ -1,5 +1,7 @@
 /// The base surface: kernels/surface.cl.
 
+#include <utility>
+
 #include "opencl/opencl_backend.h"
 #include "types/tetrahedra.h"
 
@@ -10,8 +12,9 @@ static_assert(sizeof(CubeCase) == 37, "SURFACE_CASE of kernels/surface.cl");
 /// The table of cases on the device, put there when it is first asked for.
 View<const CubeCase> OpenClBackend::cube_cases() {
   if (cube_cases_.size() == 0) {
-    cube_cases_ = Buffer<CubeCase>(*this, kCubeCases.size());
-    upload<CubeCase>(cube_cases_.view(), kCubeCases);
+    Buffer<CubeCase> cases(*this, kCubeCases.size());
+    upload<CubeCase>(cases.view(), kCubeCases);
+    cube_cases_ = std::move(cases);
   }
   return cube_cases_.view();
 }
