@@ -52,29 +52,39 @@ void Scheduler::check_memory(const BytePlan& plan) {
 
 void Scheduler::fall_back(const DeviceFailure& failure) {
   host_alone_ = true;
+  if (open_) close();
   running_ = nullptr;
-  end();
   if (!reports_.empty()) reports_.back().failure = failure.what();
 }
 
+/// In a task arena of the caller's that is busy, the thread that is told may wait while others do
+/// its work: these stop it too.
 void Scheduler::checkpoint() {
-  if (std::this_thread::get_id() != thread_) return;
-  if (Clock::now() - told_ >= kRest) progress(std::string(phase_), fraction_);
+  if (std::this_thread::get_id() != thread_) {
+    if (is_cancelled()) throw Error(ErrorCode::cancelled, "cancelled");
+  } else if (Clock::now() - told_ >= kRest) {
+    tell();
+  }
 }
 
 void Scheduler::progress(std::string_view phase, double fraction) {
   phase_ = phase;
   fraction_ = fraction;
+  tell();
+}
+
+void Scheduler::tell() {
   told_ = Clock::now();
-  const bool asked = context_.cancel && context_.cancel->load(std::memory_order_relaxed);
-  if (asked || (context_.progress && !context_.progress(phase, fraction)))
+  if (is_cancelled() || (context_.progress && !context_.progress(phase_, fraction_)))
     throw Error(ErrorCode::cancelled, "cancelled during " + phase_);
 }
 
 std::string Scheduler::host_reason(Stage stage, const char* no_kernels) {
-  if (host_alone_ || &context_.backends.front() == &context_.backends.back()) return {};
-  if (&backend_for(stage) != &host()) return {};
-  return stage == Stage::mesh ? no_kernels : "the device has been given other stages alone";
+  if (host_alone_ || &backend_for(stage) != &host()) return {};
+  const bool has_device = context_.backends.size() > 1;
+  if (!has_device && context_.host_reason.empty()) return {};
+  if (stage == Stage::mesh) return no_kernels;
+  return has_device ? "the device has been given other stages alone" : context_.host_reason;
 }
 
 void Scheduler::begin(const char* name, Stage stage, const char* no_kernels) {
@@ -95,19 +105,21 @@ void Scheduler::begin(const char* name, Stage stage, const char* no_kernels) {
 
 void Scheduler::end() {
   if (!open_) return;
+  running_->finish();
+  close();
+  progress(reports_.back().name, 1);
+}
+
+void Scheduler::close() {
   open_ = false;
   StageReport& report = reports_.back();
-  if (running_) {
-    running_->finish();
-    const Traffic traffic = running_->traffic();
-    report.launches = traffic.launches - traffic_.launches;
-    report.copies = traffic.copies - traffic_.copies;
-    report.bytes_copied = traffic.bytes - traffic_.bytes;
-  }
+  const Traffic traffic = running_->traffic();
+  report.launches = traffic.launches - traffic_.launches;
+  report.copies = traffic.copies - traffic_.copies;
+  report.bytes_copied = traffic.bytes - traffic_.bytes;
   report.seconds = std::chrono::duration<double>(Clock::now() - started_).count();
   for (const auto& backend : context_.backends)
     report.bytes_held += static_cast<std::int64_t>(backend->bytes_held());
-  progress(report.name, 1);
 }
 
 }  // namespace vasamesh

@@ -58,7 +58,17 @@ class Scheduler {
  private:
   using Clock = std::chrono::steady_clock;
 
+  /// Called on any thread that works for the conversion.
   void checkpoint();
+
+  /// Tells the caller, on the thread that is told. \throws Error cancelled
+  void tell();
+  bool is_cancelled() const {
+    return context_.cancel && context_.cancel->load(std::memory_order_relaxed);
+  }
+
+  /// What the open stage has come to, into its report.
+  void close();
 
   /// Why a stage runs on the host where there is a device; empty where there is none.
   std::string host_reason(Stage stage, const char* no_kernels);

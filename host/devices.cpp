@@ -60,30 +60,27 @@ std::vector<DeviceInfo> devices_of(const std::string& backend) {
   return devices;
 }
 
-/// The variable is a default for those who leave the choice open: where oneTBB is asked for, it
-/// need only name some device.
+/// The variable is a default for those who leave the choice open.
 DeviceInfo device_for(const ContextOptions& options) {
   const char* variable = std::getenv(kDeviceVariable);
   if (!options.device.empty())
     return choose_device(devices_of(options.backend), options.device, "--device");
-  if (variable && *variable) {
-    const bool open = options.backend != "tbb";
-    const DeviceInfo named = choose_device(open ? devices_of(options.backend) : list_devices(),
-                                           variable, kDeviceVariable);
-    return open ? named : describe_cpu();
-  }
+  if (variable && *variable && options.backend != "tbb")
+    return choose_device(devices_of(options.backend), variable, kDeviceVariable);
   return options.backend == "opencl" ? devices_of("opencl")[0] : describe_cpu();
 }
 
 #ifdef VASAMESH_WITH_OPENCL
 std::shared_ptr<Backend> open_opencl(int device, std::uint32_t stages,
                                      std::shared_ptr<Backend> workers,
-                                     std::shared_ptr<ByteAccount> total) {
+                                     std::shared_ptr<ByteAccount> total,
+                                     const std::atomic<bool>* cancel) {
   OpenClOptions options;
   options.device = device;
   options.stages = stages;
   options.workers = std::move(workers);
   options.total = std::move(total);
+  options.cancel = cancel;
   return make_opencl_backend(options);
 }
 
@@ -91,11 +88,17 @@ std::shared_ptr<Backend> open_opencl(int device, std::uint32_t stages,
 std::vector<DeviceInfo> list_opencl_devices() { return {}; }
 
 std::shared_ptr<Backend> open_opencl(int, std::uint32_t, std::shared_ptr<Backend>,
-                                     std::shared_ptr<ByteAccount>) {
+                                     std::shared_ptr<ByteAccount>, const std::atomic<bool>*) {
   throw Error(ErrorCode::no_device, "this build has no OpenCL backend: use --backend tbb");
 }
 
-std::uint32_t stages_worth(const DeviceInfo&, int) { return 0; }
+struct DeviceWorth {
+  std::uint32_t stages = 0;
+  std::string reason;
+};
+DeviceWorth worth_of(const DeviceInfo&, const std::shared_ptr<Backend>&, const std::atomic<bool>*) {
+  return {};
+}
 #endif
 
 bool device_named(const ContextOptions& options) {
@@ -112,16 +115,26 @@ bool has_device_files() {
 }
 
 /// What `auto` adds to oneTBB: the first device beside the processor that beats it somewhere, for
-/// the stages in which it does. (A processor's OpenCL shares what oneTBB already uses.)
-void add_worthy(Context& context, int threads, const std::shared_ptr<Backend>& host,
+/// the stages in which it does. (A processor's OpenCL shares what oneTBB already uses.) One that
+/// fails is left out, and the reason kept.
+void add_worthy(Context& context, const std::shared_ptr<Backend>& host,
                 const std::shared_ptr<ByteAccount>& total) {
   if (!has_device_files()) return;
   for (const DeviceInfo& device : list_devices()) {
     if (device.type == "cpu") continue;
-    const std::uint32_t stages = stages_worth(device, threads);
-    if (stages == 0) continue;
-    context.backends.push_back(open_opencl(device.number - 1, stages, host, total));
-    return;
+    try {
+      const DeviceWorth worth = worth_of(device, host, context.cancel);
+      if (worth.stages) {
+        context.backends.push_back(
+            open_opencl(device.number - 1, worth.stages, host, total, context.cancel));
+        context.host_reason.clear();
+        return;
+      }
+      context.host_reason = worth.reason;
+    } catch (const Error& error) {
+      if (error.code() == ErrorCode::cancelled) throw;
+      context.host_reason = device.name + ": " + error.what();
+    }
   }
 }
 
@@ -145,12 +158,14 @@ Context make_context(const ContextOptions& options) {
                                       ": must be 0 (all of the machine's) or more");
   const DeviceInfo device = device_for(options);
   Context context;
+  context.cancel = options.cancel;
   const auto total = std::make_shared<ByteAccount>();
   const auto host = make_tbb_backend(options.threads, options.task_arena, total);
   if (device.backend == "opencl")
-    context.backends.push_back(open_opencl(device.number - 1, ~std::uint32_t{0}, host, total));
+    context.backends.push_back(
+        open_opencl(device.number - 1, ~std::uint32_t{0}, host, total, options.cancel));
   else if (options.backend == "auto" && !device_named(options))
-    add_worthy(context, options.threads, host, total);
+    add_worthy(context, host, total);
   context.backends.push_back(host);
   return context;
 }

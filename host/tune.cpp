@@ -17,6 +17,7 @@ namespace vasamesh {
 namespace {
 
 constexpr int kSide = 128, kRepeats = 3;
+constexpr double kFaster = 0.9;         // of oneTBB's time: what counts as less
 constexpr float kRing = 44, kTube = 7;  // radii of the torus, voxels
 
 /// A torus, its axis along z.
@@ -41,17 +42,99 @@ const std::map<std::string, Stage> kStages = {
     {"stitch", Stage::stitch},   {"remesh", Stage::relax},    {"finish", Stage::relax},
     {"check", Stage::verify}};
 
-/// The best of the repeats, stage by stage and in all.
-struct Timed {
-  double seconds = std::numeric_limits<double>::infinity();
-  std::map<Stage, double> stages;
-  TriangleMesh mesh;
+std::string words(const WorkShape& shape) {
+  return std::to_string(shape.brick_items) + " items a brick, groups of " +
+         std::to_string(shape.fold_items);
+}
+
+/// A processor with some threads, by name.
+std::string name_of(const Backend& host) { return list_devices()[0].name + ", " + host.device(); }
+
+/// A device against oneTBB on one volume.
+class Tuner {
+ public:
+  Tuner(const DeviceInfo& device, std::shared_ptr<Backend> host, const std::atomic<bool>* cancel)
+      : device_(device.number - 1), host_(std::move(host)), cancel_(cancel), voxels_(torus()) {
+    view_.data = voxels_.data();
+    view_.geometry.size = {kSide, kSide, kSide};
+  }
+
+  /// Taken where it is the fastest so far.
+  TuneTrial attempt(const WorkShape& shape, const std::string& name) {
+    OpenClOptions options;
+    options.device = device_;
+    options.work_shape = shape;
+    options.workers = host_;
+    options.cancel = cancel_;
+    TuneTrial trial;
+    trial.shape = name;
+    try {
+      const std::shared_ptr<Backend> opened = make_opencl_backend(options);
+      if (tbb_.stages.empty()) tbb_ = timed({host_});  // not for a device that cannot be opened
+      const Timed time = timed({opened, host_});
+      trial.seconds = time.seconds;
+      trial.agrees =
+          time.mesh.vertices == tbb_.mesh.vertices && time.mesh.triangles == tbb_.mesh.triangles;
+      if (trial.agrees && (!is_found() || time.seconds < best_.seconds)) take(trial, time, shape);
+    } catch (const Error& error) {
+      if (error.code() == ErrorCode::cancelled) throw;
+      trial.failure = error.what();
+    }
+    return trial;
+  }
+
+  bool is_found() const { return !best_.shape.empty(); }
+  const TuneTrial& best() const { return best_; }
+  const WorkShape& shape() const { return shape_; }
+  double tbb_seconds() const { return tbb_.seconds; }
+
+  /// In which the best shape beats oneTBB, bit_of each.
+  std::uint32_t stages() const { return stages_; }
+
+  std::string stage_names() const {
+    std::string names;
+    for (const auto& [name, stage] : kStages)
+      if (stages_ & bit_of(stage)) names += (names.empty() ? "" : ", ") + name;
+    return names;
+  }
+
+ private:
+  /// The best of the repeats, stage by stage and in all.
+  struct Timed {
+    double seconds = std::numeric_limits<double>::infinity();
+    std::map<Stage, double> stages;
+    TriangleMesh mesh;
+  };
+
+  Timed timed(std::vector<std::shared_ptr<Backend>> backends) const;
+
+  void take(const TuneTrial& trial, const Timed& time, const WorkShape& shape) {
+    best_ = trial;
+    shape_ = shape;
+    stages_ = 0;
+    for (const auto& [stage, seconds] : time.stages)
+      if (seconds < kFaster * tbb_.stages.at(stage)) stages_ |= bit_of(stage);
+  }
+
+  int device_;
+  std::shared_ptr<Backend> host_;
+  const std::atomic<bool>* cancel_;
+  std::vector<std::uint8_t> voxels_;
+  VolumeView view_;
+  Timed tbb_;
+  TuneTrial best_;
+  WorkShape shape_ = kWorkGroupShape;
+  std::uint32_t stages_ = 0;
 };
 
-Timed timed(const VolumeView& volume, Context& context) {
+/// \throws Error no_device, where the device fails.
+Tuner::Timed Tuner::timed(std::vector<std::shared_ptr<Backend>> backends) const {
+  Context context;
+  context.backends = std::move(backends);
+  context.cancel = cancel_;
   Timed best;
   for (int repeat = 0; repeat <= kRepeats; ++repeat) {
-    Result result = convert(volume, {}, context);
+    Result result = convert(view_, {}, context);
     double seconds = 0;
     std::map<Stage, double> stages;
     for (const StageReport& stage : result.report.stages) {
@@ -68,102 +151,65 @@ Timed timed(const VolumeView& volume, Context& context) {
   return best;
 }
 
-std::string words(const WorkShape& shape) {
-  return std::to_string(shape.brick_items) + " items a brick, groups of " +
-         std::to_string(shape.fold_items);
+/// The stages in which a device beats the host; none where it cannot be told.
+std::uint32_t tried_stages(const DeviceInfo& device, const std::shared_ptr<Backend>& host,
+                           const std::atomic<bool>* cancel) {
+  const int number = device.number - 1;
+  try {
+    Tuner tuner(device, host, cancel);
+    tuner.attempt(load_shape(number, {}).value_or(usual_opencl_shape(number)), "usual");
+    return tuner.stages();
+  } catch (const Error& error) {
+    if (error.code() == ErrorCode::cancelled) throw;
+    return 0;
+  }
 }
-
-/// A device against oneTBB on one volume.
-class Tuner {
- public:
-  Tuner(const DeviceInfo& device, int threads)
-      : device_(device.number - 1), host_(make_tbb_backend(threads, nullptr)), voxels_(torus()) {
-    OpenClOptions options;
-    options.device = device_;
-    make_opencl_backend(options);  // one that cannot be opened costs no more
-    view_.data = voxels_.data();
-    view_.geometry.size = {kSide, kSide, kSide};
-    Context context;
-    context.backends = {host_};
-    tbb_ = timed(view_, context);
-  }
-
-  /// With the device's usual shape where none is given; taken where it is the fastest so far.
-  TuneTrial attempt(const std::optional<WorkShape>& shape) {
-    OpenClOptions options;
-    options.device = device_;
-    options.work_shape = shape;
-    options.workers = host_;
-    Context context;
-    context.backends = {make_opencl_backend(options), host_};
-    const Timed time = timed(view_, context);
-    TuneTrial trial{
-        shape ? words(*shape) : "usual", time.seconds,
-        time.mesh.vertices == tbb_.mesh.vertices && time.mesh.triangles == tbb_.mesh.triangles};
-    if (trial.agrees && (result_.best.shape.empty() || time.seconds < result_.best.seconds))
-      take(trial, time, shape.value_or(usual_opencl_shape(device_)));
-    return trial;
-  }
-
-  TuneResult finish() const {
-    if (result_.best.shape.empty())
-      throw Error(ErrorCode::no_device,
-                  "the device gives other surfaces than oneTBB: use --backend tbb");
-    store_tuning(device_, {}, tuning_);
-    return result_;
-  }
-
- private:
-  void take(const TuneTrial& trial, const Timed& time, const WorkShape& shape) {
-    tuning_ = {shape, 0, time.seconds, tbb_.seconds};
-    result_ = {trial, tbb_.seconds, {}};
-    for (const auto& [stage, seconds] : time.stages)
-      if (seconds < tbb_.stages.at(stage)) tuning_.stages |= bit_of(stage);
-    for (const auto& [name, stage] : kStages)
-      if (tuning_.stages & bit_of(stage))
-        result_.stages += (result_.stages.empty() ? "" : ", ") + name;
-  }
-
-  int device_;
-  std::shared_ptr<Backend> host_;
-  std::vector<std::uint8_t> voxels_;
-  VolumeView view_;
-  Timed tbb_;
-  Tuning tuning_;
-  TuneResult result_;
-};
 
 }  // namespace
 
-TuneResult tune_device(const DeviceInfo& device, int threads, bool search,
+TuneResult tune_device(const DeviceInfo& device, int threads,
                        const std::function<void(const TuneTrial&)>& tell) {
-  Tuner tuner(device, threads);
-  const auto attempt = [&](const std::optional<WorkShape>& shape) {
-    const TuneTrial trial = tuner.attempt(shape);
+  const int number = device.number - 1;
+  const std::shared_ptr<Backend> host = make_tbb_backend(threads, nullptr);
+  Tuner tuner(device, host, nullptr);
+  std::string failure = "other bytes";
+  const auto attempt = [&](const WorkShape& shape, const std::string& name) {
+    const TuneTrial trial = tuner.attempt(shape, name);
+    if (!trial.failure.empty()) failure = trial.failure;
     if (tell) tell(trial);
   };
-  attempt({});
-  if (search)
-    for (const WorkShape& shape : shapes_to_try()) attempt(shape);
-  return tuner.finish();
+  const WorkShape usual = usual_opencl_shape(number);
+  attempt(usual, "usual");
+  for (const WorkShape& shape : shapes_to_try())
+    if (shape != usual) attempt(shape, words(shape));
+  if (!tuner.is_found())
+    throw Error(ErrorCode::no_device, device.name + " gives other surfaces than oneTBB, or none (" +
+                                          failure + "): use --backend tbb");
+  const bool is_kept = store_shape(number, {}, tuner.shape()) &&
+                       store_stages(number, {}, name_of(*host), tuner.stages());
+  return {tuner.best(), tuner.tbb_seconds(), tuner.stage_names(), is_kept};
 }
 
-std::uint32_t stages_worth(const DeviceInfo& device, int threads) {
+DeviceWorth worth_of(const DeviceInfo& device, const std::shared_ptr<Backend>& host,
+                     const std::atomic<bool>* cancel) {
   const int number = device.number - 1;
-  try {
-    if (const std::optional<Tuning> tuning = load_tuning(number, {})) return tuning->stages;
+  const std::string beside = name_of(*host);
+  std::optional<std::uint32_t> stages = load_stages(number, {}, beside);
+  if (!stages) {
+    // First of all, so that a driver that takes the program down does so once.
+    if (!store_stages(number, {}, beside, 0))
+      return {0, device.name +
+                     " was not tried, since the cache folder cannot be written: make it one that "
+                     "can, or name the device"};
     try {
-      tune_device(device, threads, false, {});
+      stages = tried_stages(device, host, cancel);
     } catch (const Error&) {
-      Tuning failed;
-      failed.shape = usual_opencl_shape(number);
-      store_tuning(number, {}, failed);
+      forget_stages(number, {}, beside);
+      throw;
     }
-    const std::optional<Tuning> tuning = load_tuning(number, {});
-    return tuning ? tuning->stages : 0;
-  } catch (const Error&) {
-    return 0;
+    store_stages(number, {}, beside, *stages);
   }
+  return {*stages, *stages ? "" : device.name + " was not faster than the processor in any stage"};
 }
 
 }  // namespace vasamesh

@@ -5,35 +5,49 @@
 /// found is remembered (host/opencl/work_shape.h) and used from then on: the shape whenever the
 /// device is opened, the stages by `--backend auto`. Results never depend on it.
 
+#include <atomic>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 
+#include "backend/backend.h"
 #include "vasamesh/host.h"
 
 namespace vasamesh {
 
-/// One conversion of the built-in volume.
+/// Conversions of the built-in volume in one shape.
 struct TuneTrial {
-  std::string shape;   ///< in words
-  double seconds = 0;  ///< the best of three
-  bool agrees = true;  ///< with oneTBB's surface; a shape that does not is not taken
+  std::string shape;    ///< in words
+  double seconds = 0;   ///< the best of three
+  bool agrees = false;  ///< with oneTBB's surface; a shape that does not is not taken
+  std::string failure;  ///< why the device could not run it; empty where it could
 };
 
 struct TuneResult {
   TuneTrial best;
   double tbb_seconds = 0;
-  std::string stages;  ///< names of those in which the device beat oneTBB; may be empty
+  std::string stages;   ///< names of those in which the device beat oneTBB; may be empty
+  bool is_kept = true;  ///< false where the cache folder cannot be written
 };
 
-/// \param device  an OpenCL device. \param search  all shapes; false: the device's usual one alone.
+/// Tries all shapes on an OpenCL device, beside oneTBB on so many threads.
 /// \param tell  called after each trial; may be empty.
 /// \throws Error no_device, where the device cannot be opened or no shape agrees.
-TuneResult tune_device(const DeviceInfo& device, int threads, bool search,
+TuneResult tune_device(const DeviceInfo& device, int threads,
                        const std::function<void(const TuneTrial&)>& tell);
 
-/// The stages in which a device beats oneTBB, as bit_of each; tried once, and remembered also where
-/// it failed, until tune_device() finds otherwise. None where it fails.
-std::uint32_t stages_worth(const DeviceInfo& device, int threads);
+/// What a device is worth to `auto`.
+struct DeviceWorth {
+  std::uint32_t stages = 0;  ///< bit_of each in which it beats oneTBB
+  std::string reason;        ///< why there are none
+};
+
+/// Found by a trial beside the oneTBB backend `host`, and remembered also where that failed, until
+/// tune_device() finds otherwise. Without a trial where nothing can be remembered: it would be
+/// tried each time.
+/// \param cancel  as of Context. \throws Error cancelled.
+DeviceWorth worth_of(const DeviceInfo& device, const std::shared_ptr<Backend>& host,
+                     const std::atomic<bool>* cancel);
 
 }  // namespace vasamesh

@@ -5,7 +5,10 @@
 /// values[i] = a * b + c of the i-th three factors, for host/opencl/arithmetic.cpp.
 kernel void primitives_probe(global const float *factors, global float *values) {
   const size_t i = get_global_id(0);
-  values[i] = factors[3 * i] * factors[3 * i + 1] + factors[3 * i + 2];
+  const float a = factors[3 * i], b = factors[3 * i + 1], c = factors[3 * i + 2];
+  values[3 * i] = a * b + c;
+  values[3 * i + 1] = a / b;
+  values[3 * i + 2] = sqrt(a);
 }
 
 /// First fold of the pairwise sum: sums[i] = values[i] + values[i + half] for i < half, values past

@@ -144,9 +144,10 @@ TEST(DeviceChoice, SeveralOrNoneAreRefused) {
 TEST_F(Devices, VariableIsTheDefault) {
   {
     const Variable variable("VASAMESH_DEVICE", "nothing like it");
-    EXPECT_NE(refusal(asked("tbb"), ErrorCode::no_device).find("VASAMESH_DEVICE"),
+    EXPECT_NE(refusal(asked("auto"), ErrorCode::no_device).find("VASAMESH_DEVICE"),
               std::string::npos);
-    EXPECT_EQ(first_backend(asked("tbb", "0")), "tbb");
+    EXPECT_EQ(first_backend(asked("tbb")), "tbb") << "a default only";
+    EXPECT_EQ(first_backend(asked("auto", "0")), "tbb");
   }
   const Variable variable("VASAMESH_DEVICE", "0");
   EXPECT_EQ(first_backend(asked("auto")), "tbb");
@@ -209,19 +210,25 @@ TEST_F(OpenClDevices, BufferLargerThanTheDeviceGivesIsRefused) {
 
 TEST_F(OpenClDevices, TuningIsRememberedAndUsed) {
   const Scratch folder;
-  EXPECT_FALSE(load_tuning(0, folder / "cache"));
-  Tuning tuning;
-  tuning.shape = {32, 128, 8, 256, 128};
-  tuning.stages = bit_of(Stage::poisson) | bit_of(Stage::lattice);
-  tuning.seconds = 0.125;
-  tuning.tbb_seconds = 0.5;
-  store_tuning(0, folder / "cache", tuning);
-  const std::optional<Tuning> loaded = load_tuning(0, folder / "cache");
-  ASSERT_TRUE(loaded);
-  EXPECT_EQ(loaded->shape, tuning.shape);
-  EXPECT_EQ(loaded->stages, tuning.stages);
-  EXPECT_EQ(loaded->seconds, 0.125);
-  EXPECT_EQ(loaded->tbb_seconds, 0.5);
+  const std::string cache = folder / "cache";
+  EXPECT_FALSE(load_shape(0, cache));
+  EXPECT_FALSE(load_stages(0, cache, "a processor"));
+  const WorkShape shape = {32, 128, 8, 256, 128};
+  const std::uint32_t stages = bit_of(Stage::poisson) | bit_of(Stage::lattice);
+  EXPECT_TRUE(store_shape(0, cache, shape));
+  EXPECT_TRUE(store_stages(0, cache, "a processor", stages));
+  ASSERT_TRUE(load_shape(0, cache));
+  EXPECT_EQ(*load_shape(0, cache), shape);
+  EXPECT_EQ(load_stages(0, cache, "a processor"), stages);
+  EXPECT_FALSE(load_stages(0, cache, "another processor"));
+  forget_stages(0, cache, "a processor");
+  EXPECT_FALSE(load_stages(0, cache, "a processor"));
+  EXPECT_TRUE(load_shape(0, cache));
+}
+
+TEST_F(OpenClDevices, TuningThatCannotBeKeptIsSaidSo) {
+  EXPECT_FALSE(store_shape(0, "/proc/none", kOneItemShape));
+  EXPECT_FALSE(store_stages(0, "/proc/none", "a processor", 1));
 }
 
 TEST_F(OpenClDevices, StagesCanBeLeftToOthers) {

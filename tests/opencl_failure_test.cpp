@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <functional>
+#include <memory>
 #include <set>
 #include <string>
 #include <utility>
@@ -16,6 +18,7 @@
 #include "support/environment.h"
 #include "support/failing_opencl.h"
 #include "support/scratch.h"
+#include "tbb/backend.h"
 #include "tune.h"
 #include "vasamesh/host.h"
 #include "vasamesh/pipeline.h"
@@ -224,11 +227,73 @@ TEST_F(OpenClFailure, DeviceThatFailsItsTrialIsTriedOnce) {
   const Scratch folder;
   const Variable cache("XDG_CACHE_HOME", folder / "cache");
   const DeviceInfo device = list_devices()[1];
+  const std::shared_ptr<Backend> host = make_tbb_backend(2, nullptr);
   failing::pretend(CL_DEVICE_MAX_WORK_GROUP_SIZE, 0);
-  EXPECT_EQ(stages_worth(device, 2), 0u);
+  const DeviceWorth worth = worth_of(device, host, nullptr);
+  EXPECT_EQ(worth.stages, 0u);
+  EXPECT_NE(worth.reason.find(device.name), std::string::npos) << worth.reason;
   failing::reset();
-  EXPECT_EQ(stages_worth(device, 2), 0u);
+  EXPECT_EQ(worth_of(device, host, nullptr).stages, 0u);
   for (const failing::Call& call : failing::calls()) EXPECT_NE(call.function, "clCreateContext");
+}
+
+TEST_F(OpenClFailure, DeviceIsNotTriedWhereNothingCanBeRemembered) {
+  const Variable cache("XDG_CACHE_HOME", "/proc/none");
+  const DeviceInfo device = list_devices()[1];
+  failing::reset();
+  const DeviceWorth worth = worth_of(device, make_tbb_backend(2, nullptr), nullptr);
+  EXPECT_EQ(worth.stages, 0u);
+  EXPECT_NE(worth.reason.find("cache folder"), std::string::npos) << worth.reason;
+  for (const failing::Call& call : failing::calls()) EXPECT_NE(call.function, "clCreateContext");
+}
+
+TEST_F(OpenClFailure, CancelledTrialIsNotRemembered) {
+  const Scratch folder;
+  const Variable cache("XDG_CACHE_HOME", folder / "cache");
+  const DeviceInfo device = list_devices()[1];
+  const std::shared_ptr<Backend> host = make_tbb_backend(2, nullptr);
+  const std::atomic<bool> cancel = true;
+  for (int time = 0; time < 2; ++time) {
+    failing::reset();
+    try {
+      worth_of(device, host, &cancel);
+      FAIL() << "cancelled before it began";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::cancelled);
+    }
+    EXPECT_FALSE(failing::calls().empty());
+  }
+}
+
+/// Shapes that a device cannot run are left out; the others are tried.
+TEST_F(OpenClFailure, TuningGoesOnAfterAShapeThatFails) {
+  const Scratch folder;
+  const Variable cache("XDG_CACHE_HOME", folder / "cache");
+  failing::pretend(CL_DEVICE_MAX_WORK_GROUP_SIZE, 32);
+  std::vector<TuneTrial> ran, failed;
+  const TuneResult result = tune_device(list_devices()[1], 2, [&](const TuneTrial& trial) {
+    (trial.failure.empty() ? ran : failed).push_back(trial);
+  });
+  ASSERT_EQ(ran.size(), 1u);
+  EXPECT_EQ(result.best.shape, ran[0].shape);
+  ASSERT_GE(failed.size(), 5u);
+  EXPECT_EQ(failed[0].shape, "usual");
+  EXPECT_NE(failed[0].failure.find("work-groups"), std::string::npos) << failed[0].failure;
+  EXPECT_TRUE(result.is_kept);
+  ASSERT_TRUE(load_shape(0, {}));
+  EXPECT_EQ(load_shape(0, {})->fold_items, 32);
+}
+
+TEST_F(OpenClFailure, OpeningIsStoppedOnRequest) {
+  const std::atomic<bool> cancel = true;
+  ContextOptions options = on_opencl();
+  options.cancel = &cancel;
+  try {
+    make_context(options);
+    FAIL() << "opened";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::cancelled);
+  }
 }
 
 TEST_F(OpenClFailure, DeviceThatIsNotReadyIsNotListed) {

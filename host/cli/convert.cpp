@@ -61,10 +61,12 @@ void run_convert(const ConvertRequest& request) {
   catch_interrupts(true);
   check_request(request);
   if (request.context.backend != "opencl") keep_freed_memory();
-  // Lives as long as the program: to close a device means to wait for it, even when interrupted.
-  static Context& context = *new Context(make_context(request.context));
   Progress progress(request.quiet);
-  context.cancel = &interrupted();
+  progress.show("device", 0);
+  ContextOptions devices = request.context;
+  devices.cancel = &interrupted();
+  // Lives as long as the program: to close a device means to wait for it, even when interrupted.
+  static Context& context = *new Context(make_context(devices));
   context.progress = [&](std::string_view phase, double fraction) {
     progress.show(phase, fraction);
     return !interrupted();

@@ -18,14 +18,18 @@ namespace {
 void tune(const DeviceInfo& device, int threads) {
   fmt::print("{}: {}\n", device.number, device.name);
   const auto tell = [](const TuneTrial& trial) {
-    fmt::print("  {:<40}{:>8.1f} ms{}\n", trial.shape, 1e3 * trial.seconds,
-               trial.agrees ? "" : "  other bytes: not taken");
+    if (!trial.failure.empty())
+      fmt::print("  {:<40}cannot run: {}\n", trial.shape, trial.failure);
+    else
+      fmt::print("  {:<40}{:>8.1f} ms{}\n", trial.shape, 1e3 * trial.seconds,
+                 trial.agrees ? "" : "  other bytes: not taken");
     std::fflush(stdout);
   };
-  const TuneResult result = tune_device(device, threads, true, tell);
+  const TuneResult result = tune_device(device, threads, tell);
   fmt::print("  best: {}, {:.1f} ms; oneTBB {:.1f} ms; faster than that in: {}\n",
              result.best.shape, 1e3 * result.best.seconds, 1e3 * result.tbb_seconds,
              result.stages.empty() ? "nothing" : result.stages);
+  if (!result.is_kept) fmt::print("  not remembered: the cache folder cannot be written\n");
 }
 #else
 void tune(const DeviceInfo&, int) {}
@@ -41,7 +45,17 @@ void run_tune(const TuneRequest& request) {
     throw Error(ErrorCode::no_device,
                 "no OpenCL device: install a driver (pocl-opencl-icd runs on any CPU)");
   if (!request.device.empty()) devices = {choose_device(devices, request.device, "--device")};
-  for (const DeviceInfo& device : devices) tune(device, request.threads);
+  bool any_tuned = false;
+  for (const DeviceInfo& device : devices) {
+    try {
+      tune(device, request.threads);
+    } catch (const Error& error) {
+      if (&device == &devices.back() && !any_tuned) throw;
+      fmt::print("  {}\n", error.what());
+      continue;
+    }
+    any_tuned = true;
+  }
 }
 
 }  // namespace vasamesh::cli

@@ -1,43 +1,71 @@
 #include "opencl/arithmetic.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <iterator>
 
 namespace vasamesh {
 
 namespace {
 
-constexpr int kProbes = 4;
+constexpr std::size_t kProbes = 256;
 constexpr float kAboveOne = 1.0f + 0x1p-12f;
 
-/// a * b + c of each, and what it is without contraction and with sub-normals.
-constexpr std::array<cl_float, 3 * kProbes> kFactors = {
-    kAboveOne, kAboveOne, -(1.0f + 0x1p-11f),  // the product's last bit is rounded off
-    0x1p-100f, 0x1p-30f,  0.0f,                // a sub-normal product
-    0x1p-130f, 0x1p20f,   0.0f,                // a sub-normal factor
-    0x1p-130f, 1.0f,      0x1p-131f};          // a sub-normal sum
-constexpr std::array<cl_float, kProbes> kWanted = {0.0f, 0x1p-130f, 0x1p-110f,
-                                                   0x1p-130f + 0x1p-131f};
+/// What is asked for: a * b + c, a / b and the square root of a.
+struct Operands {
+  cl_float a, b, c;
+};
+struct Results {
+  cl_float sum, quotient, root;
+  bool operator==(const Results&) const = default;
+};
+
+constexpr Operands kHardSums[] = {
+    {kAboveOne, kAboveOne, -(1.0f + 0x1p-11f)},  // the product's last bit is rounded off
+    {0x1p-100f, 0x1p-30f, 0.0f},                 // a sub-normal product
+    {0x1p-130f, 0x1p20f, 0.0f},                  // a sub-normal factor
+    {0x1p-130f, 1.0f, 0x1p-131f}};               // a sub-normal sum
+
+/// These, and numbers between 1 and 3, of whose quotients and roots some in ten would be wrong in
+/// the last bit if they were made of reciprocals.
+std::array<Operands, kProbes> probes() {
+  std::array<Operands, kProbes> probes;
+  std::uint32_t state = 1;
+  const auto next = [&state] {
+    state = 1664525u * state + 1013904223u;
+    return 1.0f + 0x1p-23f * static_cast<float>(state >> 8);
+  };
+  for (Operands& probe : probes) probe = {next(), next(), next()};
+  std::copy(std::begin(kHardSums), std::end(kHardSums), probes.begin());
+  return probes;
+}
 
 }  // namespace
 
 bool arithmetic_as_specified(const cl::Context& context, const cl::CommandQueue& queue,
                              Programs& programs) {
   cl_int status = CL_SUCCESS;
-  std::array<cl_float, 3 * kProbes> factors = kFactors;
-  const cl::Buffer in(context, CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR, sizeof(factors),
-                      factors.data(), &status);
+  std::array<Operands, kProbes> operands = probes();
+  const cl::Buffer in(context, CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR, sizeof(operands),
+                      operands.data(), &status);
   check(status, "a buffer of the arithmetic's probe");
-  const cl::Buffer out(context, CL_MEM_WRITE_ONLY, sizeof(kWanted), nullptr, &status);
+  std::array<Results, kProbes> got{};
+  const cl::Buffer out(context, CL_MEM_WRITE_ONLY, sizeof(got), nullptr, &status);
   check(status, "a buffer of the arithmetic's probe");
   cl::Kernel& kernel = programs.kernel("primitives_probe");
   check(kernel.setArg(0, in), "setting an argument of the arithmetic's probe");
   check(kernel.setArg(1, out), "setting an argument of the arithmetic's probe");
   check(queue.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(kProbes), cl::NDRange(1)),
         "the arithmetic's probe");
-  std::array<cl_float, kProbes> got{};
   check(queue.enqueueReadBuffer(out, CL_TRUE, 0, sizeof(got), got.data()),
         "reading the arithmetic's probe");
-  return got == kWanted;
+  return std::equal(got.begin(), got.end(), operands.begin(),
+                    [](const Results& result, const Operands& of) {
+                      return result == Results{of.a * of.b + of.c, of.a / of.b, std::sqrt(of.a)};
+                    });
 }
 
 }  // namespace vasamesh

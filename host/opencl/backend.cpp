@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <functional>
 #include <utility>
 #include <vector>
 
@@ -25,17 +26,19 @@ WorkShape shape_for(const cl::Device& device, const OpenClOptions& options) {
   if (options.work_shape) return *options.work_shape;
   if (options.shape == KernelShape::one_item) return kOneItemShape;
   if (options.shape == KernelShape::work_group) return kWorkGroupShape;
-  const std::optional<Tuning> tuning = load_tuning(options.device, options.cache_folder);
-  return tuning ? tuning->shape : usual_shape(device);
+  return load_shape(options.device, options.cache_folder).value_or(usual_shape(device));
 }
 
 bool shares_memory(const cl::Device& device, DeviceCopies wanted) {
   return wanted == DeviceCopies::by_device ? is_cpu(device) : wanted == DeviceCopies::shared;
 }
 
-std::optional<ProgramCache> cache_for(const cl::Device& device, const std::string& folder) {
-  if (folder.empty() && keeps_programs(device)) return std::nullopt;
-  return ProgramCache(folder);
+std::function<void()> opening_checkpoint(const std::atomic<bool>* cancel) {
+  if (!cancel) return {};
+  return [cancel] {
+    if (cancel->load(std::memory_order_relaxed))
+      throw Error(ErrorCode::cancelled, "cancelled while a device was opened");
+  };
 }
 
 /// Turns block totals into the blocks' starts, in place. \return the sum of all.
@@ -63,9 +66,8 @@ std::shared_ptr<Backend> make_opencl_backend(const OpenClOptions& options) {
                                           ": see vasamesh devices, or use --backend tbb");
   const cl::Device& device = devices[static_cast<std::size_t>(options.device)];
   try {
-    return std::make_shared<OpenClBackend>(
-        device, shape_for(device, options), shares_memory(device, options.copies),
-        cache_for(device, options.cache_folder), options.workers, options.total, options.stages);
+    return std::make_shared<OpenClBackend>(device, shape_for(device, options),
+                                           shares_memory(device, options.copies), options);
   } catch (const DeviceFailure& failure) {
     throw Error(ErrorCode::no_device, std::string("the OpenCL device cannot be opened: ") +
                                           failure.what() + "; see vasamesh devices");
@@ -73,16 +75,15 @@ std::shared_ptr<Backend> make_opencl_backend(const OpenClOptions& options) {
 }
 
 OpenClBackend::OpenClBackend(cl::Device device, const WorkShape& shape, bool shared_memory,
-                             std::optional<ProgramCache> cache, std::shared_ptr<Backend> workers,
-                             std::shared_ptr<ByteAccount> total, std::uint32_t stages)
+                             const OpenClOptions& options)
     : device_(std::move(device)),
       device_name_(ask<CL_DEVICE_NAME>(device_)),
       largest_buffer_(ask<CL_DEVICE_MAX_MEM_ALLOC_SIZE>(device_)),
       global_memory_(ask<CL_DEVICE_GLOBAL_MEM_SIZE>(device_)),
       shape_(shape),
-      workers_(std::move(workers)),
-      stages_(stages),
-      account_(std::move(total)) {
+      workers_(options.workers),
+      stages_(options.stages),
+      account_(options.total) {
   if (const std::string lack = lacks(device_, shape_); !lack.empty())
     throw DeviceFailure(ErrorCode::no_device,
                         device_name_ + " " + lack + ": choose another, or use --backend tbb");
@@ -91,14 +92,16 @@ OpenClBackend::OpenClBackend(cl::Device device, const WorkShape& shape, bool sha
   check(status, "a context on " + device_name_);
   queue_ = cl::CommandQueue(context_, device_, 0, &status);
   check(status, "a queue on " + device_name_);
-  programs_.emplace(context_, device_, shape_, std::move(cache));
+  programs_.emplace(context_, device_, shape_, cache_for(device_, options.cache_folder));
+  programs_->set_checkpoint(opening_checkpoint(options.cancel));
   memory_.emplace(context_, queue_, device_name_, shared_memory);
   if (!arithmetic_as_specified(context_, queue_, *programs_))
     throw DeviceFailure(ErrorCode::no_device,
                         device_name_ +
-                            " contracts products or drops sub-normal numbers, so that "
-                            "its surfaces would differ from other devices': choose "
-                            "another, or use --backend tbb");
+                            " contracts products, drops sub-normal numbers or rounds quotients or "
+                            "roots otherwise than IEEE 754, so that its surfaces would differ from "
+                            "other devices': choose another, or use --backend tbb");
+  programs_->set_checkpoint({});
 }
 
 Traffic OpenClBackend::traffic() const {

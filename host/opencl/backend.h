@@ -4,6 +4,7 @@
 /// The OpenCL backend: the stages that have kernels (kernels/*.cl), on one OpenCL 1.2 device. It
 /// gives the same bytes as the oneTBB backend on devices that divide and round as IEEE 754 says.
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -43,6 +44,8 @@ struct OpenClOptions {
   /// Runs the host's part of stages; null: the calling thread does.
   std::shared_ptr<Backend> workers;
   std::shared_ptr<ByteAccount> total;  ///< shared with other backends, or null
+  /// Asked while the device is opened, which may take its compiler some seconds; as of Context.
+  const std::atomic<bool>* cancel = nullptr;
 };
 
 /// The OpenCL devices of all platforms that are ready and have a compiler, numbered from 0 in the
@@ -54,7 +57,7 @@ WorkShape usual_opencl_shape(int device);
 
 /// Opens a device. Its passes may be called from one thread at a time.
 /// \throws Error no_device: no such device, it cannot be opened, or it does not compute as the
-///         backend contract says.
+///         backend contract says; cancelled.
 std::shared_ptr<Backend> make_opencl_backend(const OpenClOptions& options);
 
 }  // namespace vasamesh

@@ -29,10 +29,10 @@ std::string lacks(const cl::Device& device, const WorkShape& shape);
 
 class OpenClBackend final : public Backend {
  public:
-  /// \param workers  runs the tasks of run().
+  /// \param options  of which the first three have been looked up: `device`, `shape`,
+  ///        `shared_memory`.
   OpenClBackend(cl::Device device, const WorkShape& shape, bool shared_memory,
-                std::optional<ProgramCache> cache, std::shared_ptr<Backend> workers,
-                std::shared_ptr<ByteAccount> total, std::uint32_t stages);
+                const OpenClOptions& options);
 
   std::string name() const override { return "opencl"; }
   std::string device() const override { return device_name_; }

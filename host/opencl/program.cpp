@@ -129,9 +129,12 @@ cl::Program Programs::build(const std::string& source) const {
           one_line(program.getBuildInfo<CL_PROGRAM_BUILD_LOG>(device_)));
 }
 
-bool keeps_programs(const cl::Device& device) {
+std::optional<ProgramCache> cache_for(const cl::Device& device, const std::string& folder) {
   const cl::Platform platform(ask<CL_DEVICE_PLATFORM>(device));
-  return ask<CL_PLATFORM_NAME>(platform).find("Portable Computing Language") != std::string::npos;
+  const bool keeps_programs =
+      ask<CL_PLATFORM_NAME>(platform).find("Portable Computing Language") != std::string::npos;
+  if (folder.empty() && keeps_programs) return std::nullopt;
+  return ProgramCache(folder);
 }
 
 bool is_cpu(const cl::Device& device) {

@@ -19,7 +19,7 @@ namespace vasamesh {
 
 class Programs {
  public:
-  /// \param cache  none on platforms that keep programs themselves (keeps_programs).
+  /// \param cache  as of cache_for().
   Programs(cl::Context context, cl::Device device, const WorkShape& shape,
            std::optional<ProgramCache> cache,
            std::span<const KernelSource> sources = kernel_sources());
@@ -48,9 +48,10 @@ class Programs {
   std::map<std::string, cl::Kernel> kernels_;  // by name
 };
 
-/// Whether the device's platform keeps what it has built on disk. (PoCL does, kernel by kernel as
-/// they are launched; asking it for a program's binary makes it build each kernel once more.)
-bool keeps_programs(const cl::Device& device);
+/// Where a device's programs are kept, as of OpenClOptions; none on platforms that keep on disk
+/// what they have built. (PoCL does, kernel by kernel as they are launched; asking it for a
+/// program's binary makes it build each kernel once more.)
+std::optional<ProgramCache> cache_for(const cl::Device& device, const std::string& folder);
 
 /// Whether the device is a processor, which shares the host's memory.
 bool is_cpu(const cl::Device& device);

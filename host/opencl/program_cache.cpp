@@ -85,18 +85,24 @@ std::optional<std::string> ProgramCache::load(const std::string& key) const {
   return binary;
 }
 
-void ProgramCache::store(const std::string& key, const std::string& binary) const {
+bool ProgramCache::store(const std::string& key, const std::string& binary) const {
   static std::atomic<unsigned> counter{0};
-  if (folder_.empty()) return;
-  std::error_code ignored;
+  if (folder_.empty()) return false;
+  std::error_code ignored, failed;
   fs::create_directories(folder_, ignored);
   const fs::path file = path(key);
   fs::path temporary = file;
   for (const long part : {static_cast<long>(getpid()), static_cast<long>(counter++)})
     temporary.concat(".").concat(std::to_string(part));
-  if (write_file(temporary, prefix_of(key) + seal_of(binary) + binary))
-    fs::rename(temporary, file, ignored);
+  const bool written = write_file(temporary, prefix_of(key) + seal_of(binary) + binary);
+  if (written) fs::rename(temporary, file, failed);
   fs::remove(temporary, ignored);
+  return written && !failed;
+}
+
+void ProgramCache::remove(const std::string& key) const {
+  std::error_code ignored;
+  if (!folder_.empty()) fs::remove(path(key), ignored);
 }
 
 }  // namespace vasamesh

@@ -19,7 +19,9 @@ class ProgramCache {
 
   /// What was stored under the key, whole and unchanged.
   std::optional<std::string> load(const std::string& key) const;
-  void store(const std::string& key, const std::string& binary) const;
+  /// \return whether it could be.
+  bool store(const std::string& key, const std::string& binary) const;
+  void remove(const std::string& key) const;
 
   /// The key's file.
   std::filesystem::path path(const std::string& key) const;

@@ -22,7 +22,7 @@ class Bench {
   explicit Bench(const cl::Device& device)
       : context_(device),
         queue_(context_, device),
-        programs_(context_, device, kOneItemShape, ProgramCache(std::string())) {}
+        programs_(context_, device, kOneItemShape, cache_for(device, {})) {}
 
   cl::Buffer buffer(std::size_t floats) {
     cl_int status = CL_SUCCESS;

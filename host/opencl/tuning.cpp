@@ -8,13 +8,18 @@ namespace vasamesh {
 
 namespace {
 
-/// Everything that a tuning depends on.
-std::string key_of(int number) {
+/// Everything that `what` was found to be depends on.
+std::string key_of(int number, const std::string& what) {
   const cl::Device device = opencl_devices().at(static_cast<std::size_t>(number));
-  std::string key = "tuning 1\n" + ask<CL_DEVICE_NAME>(device) + "\n" +
+  std::string key = what + "\n" + ask<CL_DEVICE_NAME>(device) + "\n" +
                     ask<CL_DRIVER_VERSION>(device) + "\n" + ask<CL_DEVICE_VERSION>(device) + "\n";
   for (const KernelSource& source : kernel_sources()) key += source.text;
   return key;
+}
+
+std::string shape_key(int device) { return key_of(device, "shape 1"); }
+std::string stages_key(int device, const std::string& host) {
+  return key_of(device, "stages 1 beside " + host);
 }
 
 }  // namespace
@@ -31,24 +36,39 @@ std::vector<WorkShape> shapes_to_try() {
   return shapes;
 }
 
-std::optional<Tuning> load_tuning(int device, const std::string& cache_folder) {
-  const std::optional<std::string> text = ProgramCache(cache_folder).load(key_of(device));
+std::optional<WorkShape> load_shape(int device, const std::string& cache_folder) {
+  const std::optional<std::string> text = ProgramCache(cache_folder).load(shape_key(device));
   if (!text) return std::nullopt;
-  Tuning tuning;
-  WorkShape& s = tuning.shape;
   std::istringstream stream(*text);
-  stream >> s.brick_items >> s.scan_items >> s.scan_run >> s.fold_items >> s.reduce_items >>
-      tuning.stages >> tuning.seconds >> tuning.tbb_seconds;
-  return stream ? std::optional(tuning) : std::nullopt;
+  WorkShape s{};
+  stream >> s.brick_items >> s.scan_items >> s.scan_run >> s.fold_items >> s.reduce_items;
+  return stream ? std::optional(s) : std::nullopt;
 }
 
-void store_tuning(int device, const std::string& cache_folder, const Tuning& tuning) {
-  const WorkShape& s = tuning.shape;
+bool store_shape(int device, const std::string& cache_folder, const WorkShape& s) {
   std::ostringstream stream;
   stream << s.brick_items << ' ' << s.scan_items << ' ' << s.scan_run << ' ' << s.fold_items << ' '
-         << s.reduce_items << ' ' << tuning.stages << ' ' << tuning.seconds << ' '
-         << tuning.tbb_seconds << '\n';
-  ProgramCache(cache_folder).store(key_of(device), stream.str());
+         << s.reduce_items << '\n';
+  return ProgramCache(cache_folder).store(shape_key(device), stream.str());
+}
+
+std::optional<std::uint32_t> load_stages(int device, const std::string& cache_folder,
+                                         const std::string& host) {
+  const std::optional<std::string> text = ProgramCache(cache_folder).load(stages_key(device, host));
+  if (!text) return std::nullopt;
+  std::istringstream stream(*text);
+  std::uint32_t stages = 0;
+  stream >> stages;
+  return stream ? std::optional(stages) : std::nullopt;
+}
+
+bool store_stages(int device, const std::string& cache_folder, const std::string& host,
+                  std::uint32_t stages) {
+  return ProgramCache(cache_folder).store(stages_key(device, host), std::to_string(stages) + "\n");
+}
+
+void forget_stages(int device, const std::string& cache_folder, const std::string& host) {
+  ProgramCache(cache_folder).remove(stages_key(device, host));
 }
 
 }  // namespace vasamesh

@@ -4,8 +4,8 @@
 #include <condition_variable>
 #include <memory>
 #include <mutex>
+#include <system_error>
 #include <thread>
-#include <utility>
 
 namespace vasamesh {
 
@@ -66,8 +66,13 @@ void wait_for(const cl::CommandQueue& queue, const std::function<void()>& checkp
 
 cl_int run_beside(std::function<cl_int()> work, const std::function<void()>& checkpoint) {
   if (!checkpoint) return work();
+  checkpoint();
   const auto ending = std::make_shared<Ending>();
-  std::thread([ending, work = std::move(work)] { ending->tell(work()); }).detach();
+  try {
+    std::thread([ending, work] { ending->tell(work()); }).detach();
+  } catch (const std::system_error&) {  // no more threads: without checkpoints, then
+    return work();
+  }
   return ending->wait(checkpoint);
 }
 

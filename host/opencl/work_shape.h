@@ -26,20 +26,21 @@ inline constexpr WorkShape kWorkGroupShape{64, 128, 8, 64, 128};
 /// no others); for each, groups of 32 to 256 items over elements.
 std::vector<WorkShape> shapes_to_try();
 
-/// What was found out about a device (host/tune.h).
-struct Tuning {
-  WorkShape shape = kWorkGroupShape;
-  std::uint32_t stages = 0;             ///< bit_of each Stage in which the device beat oneTBB
-  double seconds = 0, tbb_seconds = 0;  ///< of the trial's conversion on the device, and on oneTBB
-};
-
 constexpr std::uint32_t kAllStages = ~std::uint32_t{0};
 constexpr std::uint32_t bit_of(Stage stage) { return 1u << static_cast<unsigned>(stage); }
 
-/// Kept beside the built programs; none where device, driver or kernels have changed since.
+/// What trials have found (host/tune.h): a device's fastest shape, and the stages, bit_of each, in
+/// which it beat a processor with some threads, which `host` names. Kept beside the built programs;
+/// none where device, driver or kernels have changed since.
 /// \param device  of list_opencl_devices(). \param cache_folder  as of OpenClOptions.
+/// \return of those that store: whether it could be kept.
 /// \throws DeviceFailure where the device does not answer.
-std::optional<Tuning> load_tuning(int device, const std::string& cache_folder);
-void store_tuning(int device, const std::string& cache_folder, const Tuning& tuning);
+std::optional<WorkShape> load_shape(int device, const std::string& cache_folder);
+bool store_shape(int device, const std::string& cache_folder, const WorkShape& shape);
+std::optional<std::uint32_t> load_stages(int device, const std::string& cache_folder,
+                                         const std::string& host);
+bool store_stages(int device, const std::string& cache_folder, const std::string& host,
+                  std::uint32_t stages);
+void forget_stages(int device, const std::string& cache_folder, const std::string& host);
 
 }  // namespace vasamesh

@@ -9,6 +9,7 @@
 #include <atomic>
 #include <functional>
 #include <memory>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -30,11 +31,15 @@ struct Context {
 
   /// Called with the phase's name and its finished fraction, 0 to 1, from the thread that called
   /// convert(): when a phase gets on, and every ten milliseconds or so in between. False cancels:
-  /// convert() throws within 100 ms. May be empty.
+  /// convert() throws within 100 ms. May be empty. (While other work fills a task_arena of the
+  /// caller's, that thread may have to wait for it, and says nothing; `cancel` is heeded.)
   std::function<bool(std::string_view phase, double fraction)> progress;
 
   /// Set it from any thread, or from a signal handler, to cancel. May be null.
   const std::atomic<bool>* cancel = nullptr;
+
+  /// For the report: why no device takes part, where one might have. Set by make_context().
+  std::string host_reason;
 };
 
 /// A surface and what is known about it.
