@@ -151,6 +151,62 @@ kernel __attribute__((ELEMENT_GROUP)) void relabel_mark(ulong count, uchar mark,
   if (i < count) marks[marks_first + nodes[nodes_first + i]] = mark;
 }
 
+static float relabel_width(global const float *values, ulong node, ulong below, ulong above) {
+  const float own = fabs(values[node]);
+  return 0.5f * (own / (own + fabs(values[below])) + own / (own + fabs(values[above])));
+}
+
+/// Whether the surface is narrow at a voxel centre, whose x, y and z are odd.
+static bool relabel_is_narrow(global const int *neighbours, global const uchar *simple,
+                              global const uchar *state, global const float *values, float least,
+                              uint brick, int3 at) {
+  global const int *near = neighbours + (size_t)brick * NEIGHBOURS;
+  const uint node = brick * BRICK_CELLS + at.x + 8 * at.y + 64 * at.z;
+  const uchar own = state[node];
+  const bool inside = (own & LATTICE_LABEL) != 0;
+  if (inside != ((own & LATTICE_SOLID) != 0)) return false;
+  int closed = 0;
+  bool narrow = false;
+  for (int axis = 0; axis < 3; ++axis) {
+    const int3 along = (int3)(axis == 0, axis == 1, axis == 2);
+    const ulong below = node_at(near, at.x - along.x, at.y - along.y, at.z - along.z);
+    if (((state[below] ^ own) & LATTICE_LABEL) == 0) continue;
+    const ulong above = node_at(near, at.x + along.x, at.y + along.y, at.z + along.z);
+    if (above == NO_NODE || ((state[above] ^ own) & LATTICE_LABEL) == 0) continue;
+    ++closed;
+    narrow = narrow || relabel_width(values, node, below, above) < least;
+  }
+  return narrow && closed >= (inside ? 1 : 2) && !simple[relabel_link(neighbours, state, node)];
+}
+
+/// counts[brick]: of the nodes that got a mark.
+kernel __attribute__((BRICK_GROUP)) void lattice_mark_narrow(
+    float least, VIEW(const int, neighbours), VIEW(const uchar, active), VIEW(const uchar, simple),
+    VIEW(const uchar, state), VIEW(const float, values), VIEW(uchar, marks), VIEW(uint, counts)) {
+  BRICK_SHARED uint item_count[BRICK_ITEMS];
+  TAKE(neighbours);
+  TAKE(simple);
+  TAKE(state);
+  TAKE(values);
+  const size_t brick = get_group_id(0);
+  const uint octants = active[active_first + brick];
+  marks += marks_first + brick * BRICK_CELLS;
+  uint count = 0;
+  for (int i = get_local_id(0); i < BRICK_CELLS / 8; i += BRICK_ITEMS) {
+    const int3 at = 2 * (int3)(i & 3, i >> 2 & 3, i >> 4) + 1;
+    const int octant = (at.x >> 2) + 2 * (at.y >> 2) + 4 * (at.z >> 2);
+    if (!(octants >> octant & 1)) continue;
+    if (!relabel_is_narrow(neighbours, simple, state, values, least, brick, at)) continue;
+    marks[at.x + 8 * at.y + 64 * at.z] = LATTICE_STUCK_MARK;
+    ++count;
+  }
+  item_count[get_local_id(0)] = count;
+  BRICK_SYNC();
+  if (get_local_id(0) != 0) return;
+  for (int i = 1; i < BRICK_ITEMS; ++i) count += item_count[i];
+  counts[counts_first + brick] = count;
+}
+
 /// A work-item a brick.
 kernel __attribute__((ELEMENT_GROUP)) void relabel_find_marked(ulong bricks,
                                                                VIEW(const uchar, marks),

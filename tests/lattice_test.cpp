@@ -7,7 +7,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 #include <random>
 
 #include "reference/lattice_reference.h"
@@ -306,6 +308,72 @@ TEST_P(CellLattice, ClampGivesEachWrongValueItsLabelsSign) {
     const bool inside = lattice.state.view()[i] & kLabel;
     ASSERT_EQ(lattice.values.view()[i], wrong[i] ? (inside ? 0.125f : -0.125f) : before[i]) << i;
   }
+}
+
+/// On random labels, a third or a fifth of the nodes inside.
+TEST_P(CellLattice, NarrowPlacesAreMarked) {
+  constexpr float kWidth = 0.8f;
+  constexpr int kAxes[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  int inside_marks = 0, outside_marks = 0;
+  for (std::uint32_t seed = 60; seed < 64; ++seed) {
+    RandomLattice random(backend(), seed);
+    Lattice& lattice = random.lattice;
+    const BrickView bricks = lattice.bricks.view();
+    std::mt19937 chance(seed);
+    std::vector<std::uint8_t> state(lattice.values.size());
+    for (std::uint8_t& s : state) s = chance() % (seed % 2 ? 5 : 3) ? 0 : (kLabel | kSolid);
+    lattice.state = to_backend(backend(), state);
+    std::vector<std::uint8_t> active(bricks.count), none(lattice.values.size(), 0);
+    for (std::uint8_t& octants : active) octants = static_cast<std::uint8_t>(chance());
+    const auto shown = to_backend(backend(), active);
+    auto marks = to_backend(backend(), none);
+    const auto table = make_simple_table();
+    const auto simple =
+        to_backend(backend(), std::vector<std::uint8_t>(table.begin(), table.end()));
+    const std::uint32_t count =
+        backend().lattice_mark_narrow(bricks, shown.view(), simple.view(), kWidth,
+                                      lattice.state.view(), lattice.values.view(), marks.view());
+    const auto marked = to_host<const std::uint8_t>(backend(), marks.view());
+    const auto values = to_host<const float>(backend(), lattice.values.view());
+    backend().settle();
+    std::map<std::array<int, 3>, std::size_t> nodes;
+    visit_nodes(bricks, [&](std::size_t node, int x, int y, int z) { nodes[{x, y, z}] = node; });
+    std::uint32_t wanted = 0;
+    for (const auto& [at, node] : nodes) {
+      const auto label = [&](int dx, int dy, int dz) {
+        const auto found = nodes.find({at[0] + dx, at[1] + dy, at[2] + dz});
+        return found != nodes.end() && (state[found->second] & kLabel) != 0;
+      };
+      const bool inside = label(0, 0, 0);
+      std::uint32_t link = 0;
+      for (std::size_t i = 0; i < kLink.size(); ++i)
+        link |= std::uint32_t{label(kLink[i].x, kLink[i].y, kLink[i].z)} << i;
+      int closed = 0;
+      bool narrow = false;
+      for (const auto& [dx, dy, dz] : kAxes) {
+        const auto above = nodes.find({at[0] + dx, at[1] + dy, at[2] + dz});
+        const auto below = nodes.find({at[0] - dx, at[1] - dy, at[2] - dz});
+        if (above == nodes.end() || below == nodes.end()) continue;
+        if (label(dx, dy, dz) == inside || label(-dx, -dy, -dz) == inside) continue;
+        const double own = std::abs(values[node]);
+        double width = 0;
+        for (const auto& other : {above, below})
+          width += 0.5 * own / (own + std::abs(values[other->second]));
+        ++closed;
+        narrow = narrow || width < kWidth;
+      }
+      const int octant = (at[0] >> 2 & 1) + 2 * (at[1] >> 2 & 1) + 4 * (at[2] >> 2 & 1);
+      const bool is_marked = (at[0] & at[1] & at[2] & 1) && narrow && closed >= (inside ? 1 : 2) &&
+                             !reference::is_simple(link) &&
+                             (active[node / kBrickCells] >> octant & 1);
+      wanted += is_marked;
+      (inside ? inside_marks : outside_marks) += is_marked;
+      ASSERT_EQ(marked[node], is_marked ? kStuckMark : 0) << node;
+    }
+    EXPECT_EQ(count, wanted);
+  }
+  EXPECT_GT(inside_marks, 20);
+  EXPECT_GT(outside_marks, 5);
 }
 
 TEST_P(CellLattice, BlendChangesNothingBeyondItsRadius) {

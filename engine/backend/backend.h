@@ -317,6 +317,17 @@ class Backend : public Memory {
                                          View<const std::uint8_t> state, View<const float> values,
                                          View<std::uint8_t> marks) = 0;
 
+  /// Marks, as stuck, voxel centres in active octants where what the labels keep is narrow: the
+  /// label is the solid's, its flip would change the topology (simple[], as of relabel_sweep), and
+  /// along one axis (two for nodes outside) both neighbours have the other label, and for one such
+  /// axis (own / (own + below) + own / (own + above)) / 2 < `least_width`, of the absolute values.
+  /// That is the width in voxels. \return how many.
+  virtual std::uint32_t lattice_mark_narrow(const BrickView& bricks,
+                                            View<const std::uint8_t> active,
+                                            View<const std::uint8_t> simple, float least_width,
+                                            View<const std::uint8_t> state,
+                                            View<const float> values, View<std::uint8_t> marks) = 0;
+
   /// Leads the values near marked nodes back to the solid's: value = (1 - d) value + d g,
   /// d = strength (1 - distance^2 / radius^2)^2 to the nearest mark, g from the occupancy round the
   /// node (its quadratic B-spline when `smooth`, else linear), kept on the side of the solid's

@@ -31,6 +31,10 @@ constexpr std::array<Repair, 8> kRepairs = {{{2, 0.5f, true},
                                              {3, 1, false},
                                              {4, 1, false}}};
 
+/// Voxels: narrower than that, vessels and cavities are led back. A line of voxels has 1 along the
+/// axes across it, where its area is that of marching cubes, half a voxel's.
+constexpr float kLeastWidth = 0.8f;
+
 /// What a node gets whose value's sign is not its label at the end.
 constexpr float kLeastValue = 0.02f;
 
@@ -83,7 +87,8 @@ class Relabelling {
     return nodes;
   }
 
-  /// Marks stuck nodes and those that left the solid too far. \return how many are too far.
+  /// Marks stuck nodes, those that left the solid too far and narrow places. \return how many there
+  /// are of the latter two.
   std::uint32_t mark(const Scale& scale, View<std::uint8_t> marks) {
     const float limit = kDistanceShare * distance_limit(scale);
     upload(active_and_round_them(far_reach(make_far_offsets(scale, limit))));
@@ -92,7 +97,9 @@ class Relabelling {
                                   lattice_.state.view(), lattice_.values.view(), marks);
     for (const Pending& pending : pending_)
       backend_.relabel_mark(listed(pending), kStuckMark, marks);
-    return far;
+    return far + backend_.lattice_mark_narrow(lattice_.bricks.view(), active_view_.view(),
+                                              simple_.view(), kLeastWidth, lattice_.state.view(),
+                                              lattice_.values.view(), marks);
   }
 
   /// Leads the field back to the solid round the marks; the octants that this changes are the
@@ -205,8 +212,8 @@ RelabelReport relabel(Scheduler& scheduler, const Scale& scale, Lattice& lattice
   if (closings && !closings->empty()) forget_buried_faces(backend, lattice);
   report.stuck_first = static_cast<std::int64_t>(relabelling.stuck_count());
   for (const Repair& repair : kRepairs) {
-    const std::uint32_t far = relabelling.mark(scale, marks.view());
-    if (far == 0 && relabelling.stuck_count() == 0) break;
+    const std::uint32_t marked = relabelling.mark(scale, marks.view());
+    if (marked == 0 && relabelling.stuck_count() == 0) break;
     relabelling.repair(marks.view(), repair);
     report.flips += relabelling.run();
     ++report.repair_passes;

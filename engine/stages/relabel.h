@@ -8,8 +8,10 @@
 /// simple: its inside neighbours in the link are connected and so are its outside ones (Bertrand
 /// and Malandain, "A new characterization of three-dimensional simple points", 1994, carried over
 /// to the 14-neighbour lattice). Nodes of one colour (parities of x, y, z) do not see one another
-/// and flip at once. Where nodes are stuck, or the labels leave the segmentation too far, the field
-/// is led back to it and the rest repeated.
+/// and flip at once. Where nodes are stuck, where the labels leave the segmentation too far, or
+/// where the field makes narrower than marching cubes would what the topology keeps (vessels of a
+/// voxel beside thick ones, specks, cavities), the field is led back to the segmentation and the
+/// rest repeated.
 
 #include <array>
 #include <vector>

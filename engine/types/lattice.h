@@ -28,7 +28,7 @@ enum LatticeBit : std::uint8_t {
 /// Why a node is marked for repair.
 enum LatticeMark : std::uint8_t {
   kFarMark = 1,    ///< the labels leave the solid too far there
-  kStuckMark = 2,  ///< its flip would change the topology
+  kStuckMark = 2,  ///< its flip would change the topology, and is wanted or all but
 };
 
 /// An offset between nodes.

@@ -57,6 +57,40 @@ std::uint32_t wanted_row(const std::uint8_t* state, const float* values, int row
   return (byte_bits(bytes, kLabel) ^ inside) & may_change;
 }
 
+/// Where a surface is narrow: arguments of lattice_mark_narrow.
+struct NarrowTest {
+  const BrickView& bricks;
+  const std::uint8_t* simple;
+  const std::uint8_t* state;
+  const float* values;
+  float least_width;
+
+  /// \param x, y, z  of a voxel centre in the brick: all odd.
+  bool holds(std::size_t brick, int x, int y, int z) const {
+    const std::size_t node = kBrickCells * brick + static_cast<std::size_t>(brick_cell(x, y, z));
+    const std::uint8_t own = state[node];
+    const bool inside = (own & kLabel) != 0;
+    if (inside != ((own & kSolid) != 0)) return false;
+    const std::int32_t* near = bricks.neighbours.data() + 27 * brick;
+    int closed = 0;
+    bool narrow = false;
+    for (const NodeOffset& along : {kLink[0], kLink[1], kLink[3]}) {
+      const std::size_t below = node_at(near, x - along.x, y - along.y, z - along.z);
+      if (((state[below] ^ own) & kLabel) == 0) continue;
+      const std::size_t above = node_at(near, x + along.x, y + along.y, z + along.z);
+      if (above == kNoNode || ((state[above] ^ own) & kLabel) == 0) continue;
+      ++closed;
+      narrow |= width(node, below, above) < least_width;
+    }
+    return narrow && closed >= (inside ? 1 : 2) && !simple[link_labels(bricks, state, node)];
+  }
+
+  float width(std::size_t node, std::size_t below, std::size_t above) const {
+    const float own = std::fabs(values[node]);
+    return 0.5f * (own / (own + std::fabs(values[below])) + own / (own + std::fabs(values[above])));
+  }
+};
+
 /// The first colour of the nodes of a row; those of odd x have the next.
 std::size_t row_colour(int row) {
   return static_cast<std::size_t>(2 * (row & 1) + 4 * (row >> 3 & 1));
@@ -234,6 +268,28 @@ std::uint32_t TbbBackend::relabel_sweep(const BrickView& bricks, View<const std:
 void TbbBackend::relabel_mark(View<const std::uint32_t> nodes, std::uint8_t mark,
                               View<std::uint8_t> marks) {
   for (std::size_t i = 0; i < nodes.size; ++i) marks[nodes[i]] = mark;
+}
+
+std::uint32_t TbbBackend::lattice_mark_narrow(const BrickView& bricks,
+                                              View<const std::uint8_t> active,
+                                              View<const std::uint8_t> simple, float least_width,
+                                              View<const std::uint8_t> state,
+                                              View<const float> values, View<std::uint8_t> marks) {
+  const NarrowTest test{bricks, simple.data(), state.data(), values.data(), least_width};
+  std::atomic<std::uint32_t> total{0};
+  for_each(bricks.count, kGrain, [&](std::size_t brick) {
+    std::uint32_t count = 0;
+    for (int z = 1; z < 8; z += 2)
+      for (int y = 1; y < 8; y += 2)
+        for (int x = 1; x < 8; x += 2) {
+          const int octant = (x >> 2) + 2 * (y >> 2) + 4 * (z >> 2);
+          if (!(active[brick] >> octant & 1) || !test.holds(brick, x, y, z)) continue;
+          marks[kBrickCells * brick + static_cast<std::size_t>(brick_cell(x, y, z))] = kStuckMark;
+          ++count;
+        }
+    total += count;
+  });
+  return total;
 }
 
 void TbbBackend::lattice_blend(const BrickView& bricks, View<const std::uint8_t> marks,
