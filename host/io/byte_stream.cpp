@@ -123,6 +123,12 @@ std::int64_t file_size(const std::string& path) {
   return static_cast<std::int64_t>(bytes);
 }
 
+std::string whole_file(const std::string& path) {
+  std::string bytes(static_cast<std::size_t>(file_size(path)), '\0');
+  bytes.resize(ByteStream(path, 0, Encoding::raw).read(bytes.data(), bytes.size()));
+  return bytes;
+}
+
 std::int64_t decoded_bound(std::int64_t bytes, Encoding encoding) {
   constexpr std::int64_t kDeflateRatio = 1032;
   if (encoding == Encoding::raw) return bytes;
