@@ -411,6 +411,27 @@ TEST_F(Surfaces, LinksStayAndTheirFilesAreReplaced) {
   EXPECT_EQ(read_text(scratch_ / "folder/new.ply"), "new.ply");
 }
 
+TEST_F(Surfaces, AFileThatIsReplacedLeavesItsPermissions) {
+  for (const mode_t mode : {0600, 0640, 0444}) {
+    chmod(write("a.ply", "old").c_str(), mode);
+    write_file(scratch_ / "a.ply", "new");
+    struct stat status;
+    ASSERT_EQ(stat((scratch_ / "a.ply").c_str(), &status), 0);
+    EXPECT_EQ(status.st_mode & 07777, mode);
+    std::filesystem::remove(scratch_ / "a.ply");
+  }
+}
+
+TEST_F(Surfaces, NamesAsLongAsTheSystemAllows) {
+  const std::string longest = std::string(251, 'l') + ".ply", ending = "a." + std::string(253, 'l');
+  for (const std::string& name : {longest, ending}) {
+    check_writable(scratch_ / name);
+    write_file(scratch_ / name, "new");
+    EXPECT_EQ(read_text(scratch_ / name), "new");
+  }
+  EXPECT_EQ(code_of(scratch_ / "l" + longest), ErrorCode::refused);
+}
+
 TEST_F(Surfaces, AFullDiskLeavesTheOldFile) {
   const TriangleMesh mesh = random_mesh(5000);
   for (const char* name : kFormats) {
