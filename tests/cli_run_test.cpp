@@ -427,6 +427,25 @@ TEST_F(Convert, GoesOnAtSignalsThatAreIgnored) {
   }
 }
 
+/// Where it is met, in a thread of oneTBB's among others, depends on the machine.
+TEST(Check, ALimitOfMemoryIsToldAsOne) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "the sanitizer's own memory is beyond each limit";
+#endif
+  const Scratch folder;
+  run({"phantom", "sphere", "--radius", "5", "-o", folder / "sphere.nii", "--surface",
+       folder / "sphere.ply"});
+  for (int kilobytes = 80'000; kilobytes <= 120'000; kilobytes += 4'000) {
+    const Outcome outcome =
+        run_program(in_shell("ulimit -v " + std::to_string(kilobytes),
+                             {"check", folder / "sphere.ply", "--threads", "8"}));
+    if (outcome.code == 0 || outcome.code == 127) continue;  // 127: its libraries do not fit
+    EXPECT_EQ(outcome.code, 6) << kilobytes;
+    EXPECT_THAT(outcome.err, HasSubstr("memory")) << kilobytes;
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+  }
+}
+
 TEST_F(Convert, ALimitOfAFilesSizeIsAFullDisk) {
   write_text(folder_ / "torus.ply", "an old surface");
   const Arguments arguments = {"convert", volume_, "-o", folder_ / "torus.ply"};

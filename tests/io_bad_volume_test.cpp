@@ -98,6 +98,12 @@ TEST_F(BadVolume, NoSuchFileUnknownFormatEmptyOrGarbage) {
   expect_bad(write("bad.nrrd", std::string(500, 'x')), "no NRRD file", "check its format");
 }
 
+TEST_F(BadVolume, FilesThatAreThereAndCannotBeReached) {
+  std::filesystem::create_symlink("bad.nrrd", scratch_ / "bad.nrrd");
+  expect_bad(scratch_ / "bad.nrrd", "Too many levels of symbolic links", "check its name");
+  expect_bad(scratch_ / "bad" + std::string(300, 'd'), "File name too long", "check its name");
+}
+
 TEST_F(BadVolume, FolderWithoutASeries) {
   std::filesystem::create_directory(scratch_ / "folder");
   expect_bad(scratch_ / "folder", "without a DICOM series", "give a file");
