@@ -88,7 +88,8 @@ TriangleMesh proven_base(const Lattice& lattice, Scheduler& scheduler, const Sol
   ++report.mesh.attempts;
   if (!report.check.passed)
     throw Error(ErrorCode::failed_check,
-                "the surface failed its proof and is not written: " + report.check.reason);
+                "the surface failed its proof and is not written: " + report.check.reason +
+                    far_out(wanted.geometry, wanted.space));
   return mesh;
 }
 
