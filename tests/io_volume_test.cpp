@@ -141,8 +141,8 @@ TEST(Geometries, WhatIsWrittenIsWhatItkReads) {
 // What ITK 5.2 itself makes of a header: sform and qform in all their combinations.
 TEST(Nifti, PlacedAsItkPlacesIt) {
   const Scratch scratch;
-  for (const int qform_code : {0, 1, 2}) {
-    for (const int sform_code : {0, 1, 2}) {
+  for (const int qform_code : {0, 1, 2, 3, 4}) {
+    for (const int sform_code : {0, 1, 2, 3, 4}) {
       SCOPED_TRACE(std::to_string(qform_code) + " " + std::to_string(sform_code));
       nifti_1_header header = nifti_header(3, 4, 5);
       header.qform_code = static_cast<short>(qform_code);
