@@ -427,6 +427,44 @@ TEST_F(Convert, GoesOnAtSignalsThatAreIgnored) {
   }
 }
 
+/// A tetrahedron of doubles that float32 makes flat.
+TEST(Check, SaysThatASurfaceFarOutIsRounded) {
+  const Scratch folder;
+  const auto tetrahedron = [&](const std::string& x) {
+    write_text(folder / "far.obj", "v " + x + ".00 0 0\nv " + x + ".01 0 0\nv " + x +
+                                       ".00 1 0\nv " + x +
+                                       ".00 0 1\n"
+                                       "f 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n");
+    return run_program(command({"check", folder / "far.obj"}));
+  };
+  EXPECT_EQ(tetrahedron("10").code, 0);
+  const Outcome far = tetrahedron("1000000");
+  EXPECT_EQ(far.code, 4);
+  EXPECT_THAT(far.err, HasSubstr("2 degenerate triangles"));
+  EXPECT_THAT(far.err,
+              HasSubstr("float32 coordinates, to which it is rounded, are 0.062 mm apart"));
+  EXPECT_EQ(std::count(far.err.begin(), far.err.end(), '\n'), 1) << far.err;
+}
+
+/// Where it is met, in a thread of oneTBB's among others, depends on the machine.
+TEST(Check, ALimitOfMemoryIsToldAsOne) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "the sanitizer's own memory is beyond each limit";
+#endif
+  const Scratch folder;
+  run({"phantom", "sphere", "--radius", "5", "-o", folder / "sphere.nii", "--surface",
+       folder / "sphere.ply"});
+  for (int kilobytes = 80'000; kilobytes <= 120'000; kilobytes += 4'000) {
+    const Outcome outcome =
+        run_program(in_shell("ulimit -v " + std::to_string(kilobytes),
+                             {"check", folder / "sphere.ply", "--threads", "8"}));
+    if (outcome.code == 0 || outcome.code == 127) continue;  // 127: its libraries do not fit
+    EXPECT_EQ(outcome.code, 6) << kilobytes;
+    EXPECT_THAT(outcome.err, HasSubstr("memory")) << kilobytes;
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+  }
+}
+
 TEST_F(Convert, ALimitOfAFilesSizeIsAFullDisk) {
   write_text(folder_ / "torus.ply", "an old surface");
   const Arguments arguments = {"convert", volume_, "-o", folder_ / "torus.ply"};

@@ -245,9 +245,20 @@ const Fault kNoDevice[] = {
      {"nosuch"}},
 };
 
+const std::string kLong(252, 'l');  // too long with its ending, as the temporary's is not
+
 const Fault kRefused[] = {
     {"no_folder", {"convert", "@good.nrrd", "-o", "@nowhere/x.vtp"}, 6, {"nowhere"}},
     {"no_report_folder", convert("@good.nrrd", {"--report", "@nowhere/x.json"}), 6, {"nowhere"}},
+    {"long_name", {"convert", "@good.nrrd", "-o", "@" + kLong + ".ply"}, 6, {"a shorter name"}},
+    {"long_report_name",
+     convert("@good.nrrd", {"--report", "@" + kLong + ".json"}),
+     6,
+     {kLong, "a shorter name"}},
+    {"long_map_name",
+     {"check", "@tetra.obj", "--map", "@" + kLong + ".vtp"},
+     6,
+     {kLong, "a shorter name"}},
     {"phantom_no_folder", {"phantom", "sphere", "-o", "@nowhere/x.nii"}, 6, {"nowhere"}},
     {"memory", convert("@good.nrrd", {"--max-memory", "1K"}), 6, {"memory"}},
 };
@@ -266,7 +277,14 @@ const Fault kBadInput[] = {
     {"huge", convert("@huge.nrrd"), 3, {"huge.nrrd"}},
     {"too_short", convert("@short.nrrd"), 3, {"short.nrrd"}},
     {"zero_spacing", convert("@flat.nrrd"), 3, {"flat.nrrd", "spacing"}},
-    {"far_origin", convert("@far.nrrd"), 3, {"about 10000007 mm", "--space voxel", "its origin"}},
+    {"far_origin",
+     convert("@far.nrrd"),
+     3,
+     {"far.nrrd: the volume", "about 10000007 mm", "--space voxel", "its origin"}},
+    {"min_component_above_all",
+     convert("@good.nrrd", {"--min-component", "1000"}),
+     3,
+     {"good.nrrd: ", "fewer voxels than --min-component, 1000"}},
     {"check_missing", {"check", "@missing.stl"}, 3, {"missing.stl"}},
     {"check_indices", {"check", "@range.obj"}, 3, {"range.obj"}},
     {"check_volume", {"check", "@tetra.obj", "--against", "@empty.nrrd"}, 3, {"empty.nrrd"}},

@@ -98,6 +98,12 @@ TEST_F(BadVolume, NoSuchFileUnknownFormatEmptyOrGarbage) {
   expect_bad(write("bad.nrrd", std::string(500, 'x')), "no NRRD file", "check its format");
 }
 
+TEST_F(BadVolume, FilesThatAreThereAndCannotBeReached) {
+  std::filesystem::create_symlink("bad.nrrd", scratch_ / "bad.nrrd");
+  expect_bad(scratch_ / "bad.nrrd", "Too many levels of symbolic links", "check its name");
+  expect_bad(scratch_ / "bad" + std::string(300, 'd'), "File name too long", "check its name");
+}
+
 TEST_F(BadVolume, FolderWithoutASeries) {
   std::filesystem::create_directory(scratch_ / "folder");
   expect_bad(scratch_ / "folder", "without a DICOM series", "give a file");
@@ -194,6 +200,20 @@ TEST_F(BadVolume, TerabytesAreRefusedBeforeTheyAreAllocated) {
              "impossible", "write the volume");
 }
 
+/// ITK takes 2^32 + 4 for 4.
+TEST_F(BadVolume, SizesThatAreNone) {
+  for (const char* size : {"4294967300", "99999999999999", "0", "-3", "4.5"}) {
+    std::string nrrd = nrrd_file(kSide, kSide, kSide, "encoding: raw\n", kPixels);
+    nrrd.replace(nrrd.find("sizes: 4"), 8, "sizes: " + std::string(size));
+    expect_bad(write("bad.nrrd", nrrd), "its size of " + std::string(size) + " voxels along",
+               "write the volume again");
+    std::string meta = meta_file(kSide, kSide, kSide, "", kPixels);
+    meta.replace(meta.find("DimSize = 4"), 11, "DimSize = " + std::string(size));
+    expect_bad(write("bad.mha", meta), "its size of " + std::string(size) + " voxels along",
+               "write the volume again");
+  }
+}
+
 TEST_F(BadVolume, MoreMemoryThanAllowed) {
   expect_error(write_nifti(header_), ErrorCode::refused, "64 bytes of memory, 63 are allowed",
                "--max-memory", {.max_memory = 63});
@@ -255,6 +275,8 @@ TEST_F(BadVolume, DataFilesThatAreMissing) {
   std::string meta = meta_file(kSide, kSide, kSide, "", "");
   meta.replace(meta.find("LOCAL"), 5, "bad.raw");
   expect_bad(write("bad.mhd", meta), "bad.raw: no such file", "check the name");
+  meta.replace(meta.find("bad.raw"), 7, "");
+  expect_bad(write("bad.mhd", meta), "names no file", "name the file");
   const std::string lines = "encoding: raw\ndata file: bad.raw\n";
   expect_bad(write("bad.nrrd", nrrd_file(kSide, kSide, kSide, lines, "")), "bad.raw: no such file",
              "check the name");

@@ -13,8 +13,10 @@
 #include <vtkStringArray.h>
 #include <vtkXMLPolyDataReader.h>
 
+#include <algorithm>
 #include <atomic>
 #include <bit>
+#include <cctype>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
@@ -149,6 +151,45 @@ TEST_F(Surfaces, TextStl) {
         1u);
 }
 
+TEST_F(Surfaces, TextStlInOtherSpellings) {
+  const std::string facet =
+      "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex +1.5e0 0 0\nvertex 0 1 0\n"
+      "endloop\nendfacet\n";
+  const std::string text = "solid x\n" + facet + "endsolid x\n";
+  std::string upper = text;
+  std::transform(upper.begin(), upper.end(), upper.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+  std::string old_mac = text;
+  std::replace(old_mac.begin(), old_mac.end(), '\n', '\r');
+  for (const std::string& file :
+       {text, upper, "  " + text, "\n\n" + text, "\xef\xbb\xbf" + text, old_mac,
+        "solid " + std::string(3000, 'n') + "\n" + facet + "endsolid\n",
+        "solid facet loop vertex 1\n" + facet + "endsolid loop\n"})
+    EXPECT_EQ(read_surface(write("a.stl", file)).vertices,
+              (std::vector<float>{0, 0, 0, 1.5f, 0, 0, 0, 1, 0}))
+        << file.substr(0, 40);
+  EXPECT_EQ(read_surface(write("a.stl", text + text)).triangle_count(), 2u);
+  for (const char* missing : {"vertex 0 1 0\n", "endsolid x\n", " 1 0\nendloop"}) {
+    std::string file = text;
+    expect_bad(write("a.stl", file.erase(file.find(missing), std::strlen(missing))), "truncated");
+  }
+}
+
+TEST_F(Surfaces, ABinaryStlHoldsAsManyTrianglesAsItSays) {
+  write_surface(scratch_ / "a.stl", tetrahedron(), Space::lps);
+  const std::string plain = read_text(scratch_ / "a.stl");
+  const auto said = [&](char count, const std::string& tail) {
+    std::string bytes = plain + tail;
+    bytes[80] = count;
+    return write("a.stl", bytes);
+  };
+  for (const std::size_t tail : {0, 1, 50, 100})
+    EXPECT_EQ(read_surface(said(4, std::string(tail, 'x'))).triangle_count(), 4u) << tail;
+  EXPECT_EQ(read_surface(said(3, "")).triangle_count(), 3u);
+  EXPECT_EQ(read_surface(said(0, "")).triangle_count(), 4u);
+  expect_bad(said(5, "x"), "truncated");
+}
+
 TEST_F(Surfaces, TheSpaceIsInTheFile) {
   const std::pair<Space, std::string> spaces[] = {
       {Space::lps, "LPS"}, {Space::ras, "RAS"}, {Space::voxel, "VOXEL"}};
@@ -233,6 +274,36 @@ TEST_F(Surfaces, FilesOfOtherPrograms) {
       "solid x\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n"
       "endloop\nendfacet\nendsolid x\n";
   EXPECT_EQ(read_surface(write("a.stl", stl)).vertex_count(), 3u);
+}
+
+TEST_F(Surfaces, OtherSpellingsOfText) {
+  const std::string obj =
+      "\xef\xbb\xbfv 0 0 0\nv +1.5 0 0 # second\nv 0 \\\n 1 0\n# C:\\\nf 1 2 \\\r\n\\\n+3 # face\n";
+  EXPECT_EQ(read_surface(write("a.obj", obj)).vertices,
+            (std::vector<float>{0, 0, 0, 1.5f, 0, 0, 0, 1, 0}));
+  EXPECT_EQ(read_surface(scratch_ / "a.obj").triangles, (std::vector<std::uint32_t>{0, 1, 2}));
+  expect_bad(write("a.obj", "v 0 0 \\\n 0\nv 0 0 +-1\n"), "line 3");
+  const std::string ply =
+      "\xef\xbb\xbfply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+      "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+      "0 0 0\n+1.5 0 0\n0 1 0\n3 0 1 +2\n";
+  EXPECT_EQ(read_surface(write("a.ply", ply)).vertices,
+            (std::vector<float>{0, 0, 0, 1.5f, 0, 0, 0, 1, 0}));
+}
+
+TEST_F(Surfaces, PlyWithoutCoordinatesOrFaces) {
+  const std::string ply =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+      "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+      "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+  for (const char* axis : {"x", "y", "z"}) {
+    std::string bytes = ply;
+    bytes.replace(bytes.find(std::string("float ") + axis) + 6, 1, "u");
+    expect_bad(write("a.ply", bytes), std::string("no ") + axis);
+  }
+  std::string strips = ply;
+  strips.replace(strips.find("face"), 4, "tristrips");
+  expect_bad(write("a.ply", strips), "strips");
 }
 
 TEST_F(Surfaces, BadFiles) {
@@ -338,6 +409,27 @@ TEST_F(Surfaces, LinksStayAndTheirFilesAreReplaced) {
   EXPECT_TRUE(std::filesystem::is_symlink(scratch_ / "a.ply"));
   EXPECT_EQ(read_text(scratch_ / "folder/a.ply"), "b.ply");
   EXPECT_EQ(read_text(scratch_ / "folder/new.ply"), "new.ply");
+}
+
+TEST_F(Surfaces, AFileThatIsReplacedLeavesItsPermissions) {
+  for (const mode_t mode : {0600, 0640, 0444}) {
+    chmod(write("a.ply", "old").c_str(), mode);
+    write_file(scratch_ / "a.ply", "new");
+    struct stat status;
+    ASSERT_EQ(stat((scratch_ / "a.ply").c_str(), &status), 0);
+    EXPECT_EQ(status.st_mode & 07777, mode);
+    std::filesystem::remove(scratch_ / "a.ply");
+  }
+}
+
+TEST_F(Surfaces, NamesAsLongAsTheSystemAllows) {
+  const std::string longest = std::string(251, 'l') + ".ply", ending = "a." + std::string(253, 'l');
+  for (const std::string& name : {longest, ending}) {
+    check_writable(scratch_ / name);
+    write_file(scratch_ / name, "new");
+    EXPECT_EQ(read_text(scratch_ / name), "new");
+  }
+  EXPECT_EQ(code_of(scratch_ / "l" + longest), ErrorCode::refused);
 }
 
 TEST_F(Surfaces, AFullDiskLeavesTheOldFile) {

@@ -141,8 +141,8 @@ TEST(Geometries, WhatIsWrittenIsWhatItkReads) {
 // What ITK 5.2 itself makes of a header: sform and qform in all their combinations.
 TEST(Nifti, PlacedAsItkPlacesIt) {
   const Scratch scratch;
-  for (const int qform_code : {0, 1, 2}) {
-    for (const int sform_code : {0, 1, 2}) {
+  for (const int qform_code : {0, 1, 2, 3, 4}) {
+    for (const int sform_code : {0, 1, 2, 3, 4}) {
       SCOPED_TRACE(std::to_string(qform_code) + " " + std::to_string(sform_code));
       nifti_1_header header = nifti_header(3, 4, 5);
       header.qform_code = static_cast<short>(qform_code);
@@ -268,6 +268,43 @@ TEST(MetaAndNrrd, VoxelsInAFileOfTheirOwn) {
   for (const char* name : {"a.mhd", "b.mhd", "a.nrrd"}) {
     EXPECT_EQ(read_segmentation(scratch / name).voxels, wanted) << name;
   }
+}
+
+TEST(MetaAndNrrd, MetadataOfNrrdAreNoFields) {
+  const Scratch scratch;
+  const std::string pixels("\0\1\1\0\0\1", 6);
+  const std::string fields = "encoding: raw\nspacings: 2 3 4\n";
+  for (const char* line :
+       {"units:=\"um\" \"um\" \"um\"", "encoding:=foo", "data file:=x.raw", "byte skip:=5",
+        "sizes:=1 2 3", "spacings:=0 0 0", "space:=LAS", "note:=key: value"}) {
+    SCOPED_TRACE(line);
+    write_text(scratch / "a.nrrd", nrrd_file(3, 2, 1, fields + line + "\n", pixels));
+    const Segmentation read = read_segmentation(scratch / "a.nrrd");
+    EXPECT_EQ(read.voxels, std::vector<std::uint8_t>(pixels.begin(), pixels.end()));
+    expect_near(read.geometry, {{3, 2, 1}, {2, 3, 4}, {}, {1, 0, 0, 0, 1, 0, 0, 0, 1}});
+  }
+}
+
+TEST(MetaAndNrrd, TheLastBytesOfCompressedNrrd) {
+  const Scratch scratch;
+  const std::string pixels("\0\1\1\0\0\1", 6);
+  for (const char* junk : {"", "junk of some length"}) {
+    write_text(scratch / "a.nrrd",
+               nrrd_file(3, 2, 1, "encoding: gzip\nbyte skip: -1\n", gzip(junk + pixels)));
+    EXPECT_EQ(read_segmentation(scratch / "a.nrrd").voxels,
+              std::vector<std::uint8_t>(pixels.begin(), pixels.end()));
+  }
+}
+
+TEST(MetaAndNrrd, ColonsInMetaImage) {
+  const Scratch scratch;
+  std::string meta = meta_file(3, 2, 1, "ElementSpacing = 2 3 4\nComment = a: b\n",
+                               std::string("\0\1\1\0\0\1", 6));
+  for (std::size_t at; (at = meta.find(" = ")) != std::string::npos;) meta.replace(at, 3, " : ");
+  write_text(scratch / "a.mha", meta);
+  const Segmentation read = read_segmentation(scratch / "a.mha");
+  EXPECT_EQ(read.voxels, (std::vector<std::uint8_t>{0, 1, 1, 0, 0, 1}));
+  EXPECT_NEAR(read.geometry.spacing[2], 4, 1e-9);
 }
 
 /// "(1,2,3)" of a vector of LPS in a space whose x and y have these signs.

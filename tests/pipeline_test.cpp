@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "backend/backend.h"
+#include "stages/volume_check.h"
 #include "support/cases.h"
 #include "support/dense_volume.h"
 #include "support/invariants.h"
@@ -248,10 +249,14 @@ TEST(PipelineSpace, AnOriginTooFarForFloat32IsRefused) {
   const Phantom phantom = y_branch();
   VolumeView volume = phantom.view();
   volume.geometry.spacing = {1, 1, 1};
-  volume.geometry.origin = {0, 524000, 0};  // steps of 1/32 mm, from 524288 on of 1/16
-  EXPECT_NO_THROW(convert(volume, {}, context()));
+  volume.geometry.origin = {130000, 130000, 0};  // steps of 1/128 mm, from 131072 on of 1/64
+  for (const SurfaceKind surface : {SurfaceKind::adaptive, SurfaceKind::base})
+    EXPECT_NO_THROW(convert(volume, with(&Parameters::surface, surface), context()));
+  EXPECT_NE(far_out(volume.geometry, Space::lps).find("--space voxel"), std::string::npos);
+  EXPECT_EQ(far_out(volume.geometry, Space::voxel), "");
+  EXPECT_EQ(far_out(phantom.geometry, Space::lps), "");
   for (const std::array<double, 3>& origin :
-       {std::array<double, 3>{0, 524288, 0}, {-1e7, 0, 0}, {0, 0, 1e39}}) {
+       {std::array<double, 3>{0, 131072, 0}, {-1e7, 0, 0}, {0, 0, 1e39}}) {
     volume.geometry.origin = origin;
     for (const Space space : {Space::lps, Space::ras}) {
       const Error error =

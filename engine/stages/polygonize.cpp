@@ -80,7 +80,17 @@ double area_of(Backend& backend, const TriangleMesh& mesh) {
   return std::accumulate(areas.begin(), areas.end(), 0.0);
 }
 
+std::string refusal_of_count(double wanted, double possible, bool met) {
+  return "this surface cannot have " + std::to_string(std::llround(wanted)) +
+         " triangles: ask for about " + std::to_string(std::llround(possible)) +
+         (possible > wanted ? " or more" : " or fewer") +
+         (met ? "" : ", going by a prediction that may be off");
+}
+
 }  // namespace
+
+CountRefused::CountRefused(double wanted, double possible, bool met)
+    : Error(ErrorCode::usage, refusal_of_count(wanted, possible, met)), possible_(possible) {}
 
 Polygonizer::Polygonizer(Scheduler& scheduler, const Lattice& lattice,
                          const std::array<int, 3>& size, const Scale& scale, TriangleMesh base,
@@ -130,12 +140,8 @@ void Polygonizer::aim() {
   if (std::fabs(reached / triangles - 1) > kCountTolerance) refuse_count(reached * excess_);
 }
 
-/// \param possible  the nearest number that was found.
 void Polygonizer::refuse_count(double possible) const {
-  throw Error(ErrorCode::usage,
-              "this surface cannot have " + std::to_string(std::llround(wanted_triangles_)) +
-                  " triangles: ask for about " + std::to_string(std::llround(possible)) +
-                  (possible > wanted_triangles_ ? " or more" : " or fewer"));
+  throw CountRefused(wanted_triangles_, possible, false);
 }
 
 bool Polygonizer::is_worthwhile(const Topology& topology) const {

@@ -21,6 +21,7 @@
 #include "stages/solid_surface.h"
 #include "stages/triangle_tree.h"
 #include "types/lattice.h"
+#include "vasamesh/errors.h"
 #include "vasamesh/parameters.h"
 #include "vasamesh/report.h"
 #include "vasamesh/types.h"
@@ -37,11 +38,23 @@ enum class Verdict {
   refuse,
 };
 
+/// The number of triangles that is asked for is not to be had.
+class CountRefused : public Error {
+ public:
+  /// \param possible  the nearest number that was found; `met`: which comes out when it is asked
+  /// for.
+  CountRefused(double wanted, double possible, bool met);
+  double possible() const { return possible_; }
+
+ private:
+  double possible_;
+};
+
 class Polygonizer {
  public:
   /// \param size  padded voxels along each axis.
   /// \param base  the base surface, in padded voxel units.
-  /// \throws Error usage, when the triangles that are asked for are too few or too many for it.
+  /// \throws CountRefused, when the triangles that are asked for are too few or too many for it.
   Polygonizer(Scheduler& scheduler, const Lattice& lattice, const std::array<int, 3>& size,
               const Scale& scale, TriangleMesh base, const Parameters& parameters);
 
@@ -62,7 +75,7 @@ class Polygonizer {
   /// and by its number of triangles, and plans the next.
   Verdict judge(const CheckReport& check);
 
-  /// \throws Error usage, where that is not the number of triangles that was asked for.
+  /// \throws CountRefused, where that is not the number of triangles that was asked for.
   void check_count(std::int64_t triangles) const;
 
   const MeshReport& report() const { return report_; }

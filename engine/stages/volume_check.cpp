@@ -15,8 +15,8 @@ namespace {
 
 constexpr std::int64_t kMaxSize = 1 << 20;  // voxels along an axis
 constexpr double kLeastSpacing = 1e-6, kMostSpacing = 1e4, kMostAnisotropy = 100;
-constexpr double kOrthonormal = 1e-3;   // error of the products of axes
-constexpr double kCoarsestStep = 0.05;  // of the smallest spacing
+constexpr double kOrthonormal = 1e-3;                      // error of the products of axes
+constexpr double kCoarsestStep = 0.01, kFineStep = 0.001;  // of the smallest spacing
 
 [[noreturn]] void refuse(const std::string& reason) { throw Error(ErrorCode::bad_input, reason); }
 
@@ -56,13 +56,18 @@ double float_step(double value) {
   return double{std::nextafter(rounded, Limits::infinity())} - rounded;
 }
 
+/// Of the smallest spacing, the most that float32 coordinates are apart.
+double coarsest_step(const Geometry& geometry) {
+  return float_step(farthest_coordinate(geometry)) /
+         *std::min_element(geometry.spacing.begin(), geometry.spacing.end());
+}
+
 void check_resolution(const Geometry& geometry) {
-  const double spacing = *std::min_element(geometry.spacing.begin(), geometry.spacing.end());
   const double farthest = farthest_coordinate(geometry);
-  if (float_step(farthest) > kCoarsestStep * spacing)
+  if (coarsest_step(geometry) > kCoarsestStep)
     refuse("the volume reaches out to about " +
            std::to_string(std::llround(std::min(farthest, 1e18))) +
-           " mm, where float32 coordinates are more than 5 % of its spacing apart: use --space "
+           " mm, where float32 coordinates are more than 1 % of its spacing apart: use --space "
            "voxel, or correct its origin");
 }
 
@@ -106,6 +111,11 @@ void check_volume(const VolumeView& volume, Space space) {
   if (const auto fault = fault_of(volume.geometry))
     refuse("the volume cannot be used, " + fault->reason + ": " + fault->remedy);
   if (space != Space::voxel) check_resolution(volume.geometry);  // there no axis is long enough
+}
+
+std::string far_out(const Geometry& geometry, Space space) {
+  if (space == Space::voxel || coarsest_step(geometry) <= kFineStep) return {};
+  return "; so far out float32 coordinates may be too coarse for it: use --space voxel";
 }
 
 }  // namespace vasamesh

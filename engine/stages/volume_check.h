@@ -23,9 +23,14 @@ std::optional<GeometryFault> fault_of(const Geometry& geometry);
 
 /// \throws Error bad_input, naming the first of these: no address of voxels; a format that is none;
 ///         no or more than 2^20 voxels along an axis; a fault of the geometry; a place so far out
-///         that float32 coordinates in the space are more than 5 % of the smallest spacing apart,
-///         too coarse for a proof.
+///         that float32 coordinates in the space are more than 1 % of the smallest spacing apart:
+///         there, the base surface of a smooth solid begins to fail its proof.
 void check_volume(const VolumeView& volume, Space space);
+
+/// What may be the reason, and what to do, where a surface fails its proof and coordinates are more
+/// than 0.1 % of the smallest spacing apart: of noise on oblique axes, one triangle in a million is
+/// then too small. Else empty.
+std::string far_out(const Geometry& geometry, Space space);
 
 /// \throws Error bad_input, when there are no or more than 2^20 voxels along an axis.
 void check_size(const Geometry& geometry);

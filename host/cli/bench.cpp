@@ -9,6 +9,7 @@
 
 #include "cli/commands.h"
 #include "cli/interrupt.h"
+#include "cli/volume_errors.h"
 #include "io/report_json.h"
 #include "io/volume_reader.h"
 
@@ -114,7 +115,8 @@ void run_bench(const BenchRequest& request) {
   Json all = Json::array();
   for (const std::string& input : request.inputs) {
     const Segmentation volume = read_segmentation(input, request.read);
-    const BenchTable table = bench(volume.view(), request.parameters, ways, request.repeat);
+    const BenchTable table = on_volume_of(
+        input, [&] { return bench(volume.view(), request.parameters, ways, request.repeat); });
     if (request.json) {
       all.push_back(to_json(input, ways, table));
       continue;

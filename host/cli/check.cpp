@@ -3,8 +3,10 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <optional>
 
 #include "cli/commands.h"
@@ -33,6 +35,7 @@ struct Examination {
   std::optional<DistanceReport> distance;
   std::size_t reference_triangles = 0;  ///< of the surface that the distance is to
   bool voxel_known = false;
+  float step = 0;  ///< mm from the largest coordinate to the next float32
 };
 
 /// From the space of the surface file to LPS.
@@ -60,6 +63,25 @@ double voxel_length(const Geometry& geometry) {
 /// Where no volume tells the voxel: the side of the reference's mean triangle as a square.
 double sampling_length(const QualityReport& quality, std::size_t triangles) {
   return std::sqrt(quality.area / static_cast<double>(triangles));
+}
+
+float step_at_farthest(const TriangleMesh& mesh) {
+  float farthest = 0;
+  for (const float coordinate : mesh.vertices) farthest = std::max(farthest, std::fabs(coordinate));
+  return std::nextafter(farthest, std::numeric_limits<float>::infinity()) - farthest;
+}
+
+/// What may be the reason where a surface far out fails, whose file may be finer than float32.
+std::string far_out(const Examination& result) {
+  constexpr double kCoarse = 0.01;  // of a triangle
+  const double side =
+      sampling_length(result.quality, static_cast<std::size_t>(result.check.triangles));
+  if (!(double{result.step} > kCoarse * side)) return {};
+  return fmt::format(
+      "; so far out float32 coordinates, to which it is rounded, are {:.2g} mm apart: move it "
+      "nearer "
+      "to the origin",
+      result.step);
 }
 
 /// What is asked for, else what the file says.
@@ -147,6 +169,7 @@ Examination examine(const CheckRequest& request) {
 
   Examination result;
   result.voxel_known = volume.has_value();
+  result.step = step_at_farthest(mesh);
   result.check = volume ? check_against(backend, surface, *volume, request)
                         : check_surface(backend, mesh, nullptr);
   result.quality = measure_quality(backend, mesh);
@@ -209,7 +232,8 @@ void run_check(const CheckRequest& request) {
   const Examination result = examine(request);
   print(request, result);
   if (!result.check.passed)
-    throw Error(ErrorCode::failed_check, request.surface + ": " + result.check.reason);
+    throw Error(ErrorCode::failed_check,
+                request.surface + ": " + result.check.reason + far_out(result));
 }
 
 }  // namespace vasamesh::cli

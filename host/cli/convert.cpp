@@ -12,6 +12,7 @@
 #include "cli/interrupt.h"
 #include "cli/progress.h"
 #include "cli/summary.h"
+#include "cli/volume_errors.h"
 #include "io/atomic_file.h"
 #include "io/report_json.h"
 #include "io/surface_io.h"
@@ -78,7 +79,8 @@ void run_convert(const ConvertRequest& request) {
   progress.show("read", 0);
   const StageReport read = timed("read", [&] { volume = read_packed(request.input, selection); });
   stop_if_interrupted();
-  Result result = convert(volume.view(), request.parameters, context);
+  Result result = on_volume_of(request.input,
+                               [&] { return convert(volume.view(), request.parameters, context); });
   stop_if_interrupted();
   progress.show("write", 0);
   const StageReport write = timed("write", [&] {

@@ -5,11 +5,14 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cstdio>
 #include <cstdlib>
+#include <exception>
 #include <new>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "cli/commands.h"
 #include "cli/options.h"
@@ -23,6 +26,9 @@ namespace {
 
 constexpr const char* kNoOutput =
     "standard output cannot be written: is it closed, or the disk full?";
+
+constexpr const char* kNoMemory =
+    "out of memory: close other programs, or crop the volume to the vessels";
 
 /// A stream that is closed stays one that cannot be used: no file that is opened takes its number.
 void occupy_standard_streams() {
@@ -38,7 +44,10 @@ void occupy_standard_streams() {
   std::_Exit(code);
 }
 
+/// One line, of whichever thread is the first.
 int report(ErrorCode code, std::string message) {
+  static std::atomic_flag told;
+  if (told.test_and_set()) return static_cast<int>(code);
   std::replace(message.begin(), message.end(), '\n', ' ');
   std::fprintf(stderr, "vasamesh: %s\n", message.c_str());  // fmt throws where it cannot be written
   return static_cast<int>(code);
@@ -54,6 +63,25 @@ int report_usage(const CLI::App& app, const CLI::ParseError& error) {
   return report(ErrorCode::usage, message + "; see " + help + " --help");
 }
 
+/// oneTBB says so in words alone, where there is no memory for a thread's stack.
+bool lacks_threads(const std::exception& error) {
+  return std::string_view(error.what()).starts_with("pthread_create");
+}
+
+/// A thread of oneTBB's that cannot start the next has nobody to catch what it throws.
+[[noreturn]] void end_for_want_of_memory() {
+  try {
+    if (const std::exception_ptr thrown = std::current_exception()) std::rethrow_exception(thrown);
+  } catch (const std::bad_alloc&) {
+    leave(report(ErrorCode::refused, kNoMemory));
+  } catch (const std::exception& error) {
+    if (lacks_threads(error)) leave(report(ErrorCode::refused, kNoMemory));
+    std::fprintf(stderr, "vasamesh: %s\n", error.what());
+  } catch (...) {
+  }
+  std::abort();
+}
+
 /// The one place where errors become exit codes.
 template <class Work>
 int guard(const Work& work) {
@@ -67,10 +95,10 @@ int guard(const Work& work) {
     return report(ErrorCode::internal,
                   std::string(error.what()) + "; this is a fault of vasamesh, please report it");
   } catch (const std::bad_alloc&) {
-    return report(ErrorCode::refused,
-                  "out of memory: close other programs, or crop the volume to the vessels");
+    return report(ErrorCode::refused, kNoMemory);
   } catch (const std::exception& error) {
     if (std::ferror(stdout)) return report(ErrorCode::refused, kNoOutput);
+    if (lacks_threads(error)) return report(ErrorCode::refused, kNoMemory);
     return report(ErrorCode::internal,
                   std::string(error.what()) + "; this is a fault of vasamesh, please report it");
   }
@@ -88,6 +116,7 @@ std::optional<tbb::global_control> limit_threads(int threads) {
 
 int run(int argc, const char* const* argv) {
   occupy_standard_streams();
+  std::set_terminate(end_for_want_of_memory);
   CLI::App app("Segmented blood vessels to closed, smooth triangle surfaces", "vasamesh");
   app.set_version_flag("--version", std::string("vasamesh ") + version());
   app.require_subcommand(1);

@@ -1,6 +1,7 @@
 #include "io/atomic_file.h"
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -15,19 +16,22 @@
 namespace vasamesh {
 namespace {
 
+constexpr std::size_t kLongestEnding = 16;
+
 std::string folder_of(const std::string& path) {
   const std::string folder = std::filesystem::path(path).parent_path().string();
   return folder.empty() ? "." : folder;
 }
 
-// The last ending, and the one before ".gz" with it.
+// The last ending, and the one before ".gz" with it; none where it is no ending of a format.
 std::string name_ending(const std::string& path) {
   const std::string name = std::filesystem::path(path).filename().string();
   const std::size_t dot = name.rfind('.');
   if (dot == std::string::npos) return {};
   const std::size_t before = dot == 0 ? std::string::npos : name.rfind('.', dot - 1);
   const bool both = name.ends_with(".gz") && before != std::string::npos;
-  return name.substr(both ? before : dot);
+  const std::string ending = name.substr(both ? before : dot);
+  return ending.size() <= kLongestEnding ? ending : std::string();
 }
 
 std::string temporary_name(const std::string& path) {
@@ -47,6 +51,13 @@ void check_replaceable(const std::string& path) {
   if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
     throw_refused(path, "a device or pipe has this name", "give the name of a file");
   }
+}
+
+/// A name that the temporary file's, which is short, would not show to be too long.
+void check_length(const std::string& path, const std::string& file) {
+  struct stat status;
+  if (lstat(file.c_str(), &status) != 0 && errno == ENAMETOOLONG)
+    throw_refused(path, "this name is longer than the system allows", "choose a shorter name");
 }
 
 [[noreturn]] void throw_not_written(const std::string& path) {
@@ -70,6 +81,7 @@ void check_writable(const std::string& path) {
   check_replaceable(path);
   std::error_code error;
   const std::string file = linked_file(path), folder = folder_of(file);
+  check_length(path, file);
   if (!std::filesystem::is_directory(folder, error)) {
     throw_refused(path, "the folder " + folder + " does not exist", "make it first");
   }
@@ -92,16 +104,24 @@ AtomicFile::~AtomicFile() {
   if (!committed_) std::filesystem::remove(temporary_, error);
 }
 
+mode_t AtomicFile::mode() const {
+  struct stat old;
+  return stat(file_.c_str(), &old) == 0 ? old.st_mode & 07777 : 0;
+}
+
 void AtomicFile::commit() {
   if (cancel_ && *cancel_)
     throw Error(ErrorCode::cancelled, "interrupted: " + path_ + " was not written");
+  if (const mode_t old = mode()) chmod(temporary_.c_str(), old);
   if (std::rename(temporary_.c_str(), file_.c_str()) != 0) throw_not_written(path_);
   committed_ = true;
 }
 
 void write_file(const std::string& path, std::string_view bytes, const std::atomic<bool>* cancel) {
   AtomicFile file(path, cancel);
-  const int descriptor = open(file.temporary().c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666);
+  const mode_t old = file.mode();
+  const int descriptor =
+      open(file.temporary().c_str(), O_WRONLY | O_CREAT | O_TRUNC, old ? old & 0777 : 0666);
   if (descriptor < 0) throw_not_written(path);
   while (!bytes.empty()) {
     const ssize_t written = write(descriptor, bytes.data(), bytes.size());

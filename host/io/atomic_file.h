@@ -2,8 +2,11 @@
 
 /// \file
 /// Output that appears whole or not at all: written under a temporary name in the same folder,
-/// renamed when it is complete, removed on every other way out. Where a symbolic link has the name,
-/// the file that it leads to is replaced, and the link stays.
+/// renamed when it is complete, removed on every other way out. A file that is replaced leaves its
+/// permissions to the new one. Where a symbolic link has the name, the file that it leads to is
+/// replaced, and the link stays.
+
+#include <sys/types.h>
 
 #include <atomic>
 #include <string>
@@ -25,6 +28,9 @@ class AtomicFile {
   /// Where to write: a new name in the folder of the file, with its ending.
   const std::string& temporary() const { return temporary_; }
 
+  /// The permissions of the file that is to be replaced; 0 where there is none.
+  mode_t mode() const;
+
   /// Renames the temporary file to `path`. \throws Error refused, cancelled.
   void commit();
 
@@ -38,7 +44,7 @@ class AtomicFile {
 std::string linked_file(const std::string& path);
 
 /// \throws Error refused when no file of the name `path` could be created: the folder is missing or
-///         not writable, or `path` is a folder, a device or a pipe.
+///         not writable, the name is too long, or `path` is a folder, a device or a pipe.
 void check_writable(const std::string& path);
 
 /// Writes `bytes` as the whole content of `path`.

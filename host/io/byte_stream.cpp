@@ -114,13 +114,23 @@ std::size_t ByteStream::inflate_to(void* to, std::size_t bytes) {
 std::int64_t file_size(const std::string& path) {
   std::error_code error;
   const auto status = std::filesystem::status(path, error);
-  if (!std::filesystem::exists(status)) {
+  if (status.type() == std::filesystem::file_type::not_found) {
     throw_bad_input(path, "no such file", "check the name");
+  }
+  if (status.type() == std::filesystem::file_type::none) {
+    throw_bad_input(path, "cannot be opened (" + error.message() + ")",
+                    "check its name and the permissions of its folders");
   }
   const auto bytes = std::filesystem::file_size(path, error);
   if (error) throw_bad_input(path, "not a regular file", "give a file");
   if (bytes == 0) throw_bad_input(path, "empty file", "get a whole copy of the file");
   return static_cast<std::int64_t>(bytes);
+}
+
+std::string whole_file(const std::string& path) {
+  std::string bytes(static_cast<std::size_t>(file_size(path)), '\0');
+  bytes.resize(ByteStream(path, 0, Encoding::raw).read(bytes.data(), bytes.size()));
+  return bytes;
 }
 
 std::int64_t decoded_bound(std::int64_t bytes, Encoding encoding) {

@@ -55,6 +55,9 @@ class ByteStream {
 /// The size of a regular file. \throws Error bad_input: no such file, not a file, empty.
 std::int64_t file_size(const std::string& path);
 
+/// All bytes of a regular file. \throws Error bad_input, as file_size, and when it is unreadable.
+std::string whole_file(const std::string& path);
+
 /// The most bytes that a file of `bytes` can hold when decoded: deflate expands 1032-fold at most.
 std::int64_t decoded_bound(std::int64_t bytes, Encoding encoding);
 

@@ -84,7 +84,7 @@ PixelType itk_pixel_type(const std::string& path, const itk::ImageIOBase& io) {
 }
 
 std::int64_t voxel_count(const std::string& path, const Geometry& geometry) {
-  constexpr std::int64_t kMost = std::int64_t{1} << 62;
+  constexpr std::int64_t kMost = (std::int64_t{1} << 60) - 1;
   std::int64_t count = 1;
   for (const std::int64_t size : geometry.size) {
     if (size < 1 || count > kMost / size) {
@@ -96,6 +96,13 @@ std::int64_t voxel_count(const std::string& path, const Geometry& geometry) {
     count *= size;
   }
   return count;
+}
+
+void check_raw_size(const std::string& path, double size) {
+  constexpr double kMost = 1e9;
+  if (size >= 1 && size < kMost && size == std::floor(size)) return;
+  throw_bad_input(path, fmt::format("its size of {} voxels along an axis is impossible", size),
+                  "correct the sizes in its header, or write the volume again");
 }
 
 void check_raw_spacing(const std::string& path, double spacing) {

@@ -21,12 +21,17 @@ Geometry itk_geometry(const std::string& path, const itk::ImageIOBase& io);
 /// \throws Error bad_input: vectors, colours, a type that is not one of ours.
 PixelType itk_pixel_type(const std::string& path, const itk::ImageIOBase& io);
 
-/// The number of voxels. \throws Error bad_input when it passes 2^62.
+/// The number of voxels. \throws Error bad_input when their bytes might pass 2^63.
 std::int64_t voxel_count(const std::string& path, const Geometry& geometry);
 
 /// \throws Error bad_input: spacing zero, negative, not finite, absurd; origin not finite; a
 ///         direction that is sheared.
 void check_geometry(const std::string& path, const Geometry& geometry);
+
+/// \throws Error bad_input unless `size`, along one axis as the file has it, is a whole number from
+/// 1
+///         to 1e9. ITK takes what is left of it in 32 bits.
+void check_raw_size(const std::string& path, double size);
 
 /// \throws Error bad_input unless `spacing`, as the file has it, is finite and above zero.
 void check_raw_spacing(const std::string& path, double spacing);

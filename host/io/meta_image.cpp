@@ -26,11 +26,7 @@ void check_fields(const std::string& path, const TextHeader& header) {
       static_cast<double>(sizes.size()) != dimensions[0]) {
     throw_bad_input(path, "it is not a 3D volume", "give a 3D segmentation");
   }
-  for (const double size : sizes) {
-    if (!(size >= 1 && size < 1e9)) {
-      throw_bad_input(path, "its size is impossible", "write the volume again");
-    }
-  }
+  for (const double size : sizes) check_raw_size(path, size);
   for (const char* key : {"ElementSpacing", "ElementSize"}) {
     const std::vector<double> spacings = header.numbers(key);
     for (std::size_t i = 0; i < spacings.size() && i < 3; ++i) {
@@ -43,6 +39,9 @@ PixelLayout data_layout(const std::string& path, const TextHeader& header) {
   const std::string name = header.get("ElementDataFile");
   if (name == "LIST" || name.starts_with("LIST ") || name.find('%') != std::string::npos) {
     throw_bad_input(path, "its voxels are in several files", "write it as one .mha file");
+  }
+  if (name.empty()) {
+    throw_bad_input(path, "its ElementDataFile names no file", "name the file of its voxels there");
   }
   if (header.get_lower("BinaryData", "true").starts_with('f')) {
     throw_bad_input(path, "its voxels are text", "write it as a binary .mha file");
@@ -74,9 +73,10 @@ double length_unit(const std::string& path, const TextHeader& header) {
 }
 
 TextHeader read_header(const std::string& path) {
-  return read_text_header(path, "=", [](const std::string& key, const std::string&) {
+  const auto is_last = [](const std::string& key, const std::string&) {
     return key == "ElementDataFile";
-  });
+  };
+  return read_text_header(path, {"=:", "", is_last});  // MetaIO takes both
 }
 
 }  // namespace

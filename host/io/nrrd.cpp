@@ -27,8 +27,8 @@ TextHeader read_header(const std::string& path) {
   if (std::string(magic, 4) != "NRRD") {
     throw_bad_input(path, "it is no NRRD file", "check its format");
   }
-  TextHeader header = read_text_header(
-      path, ":", [](const std::string&, const std::string& line) { return line.empty(); });
+  const auto is_last = [](const std::string&, const std::string& line) { return line.empty(); };
+  TextHeader header = read_text_header(path, {":", ":=", is_last});  // "key:=value": anybody's
   std::map<std::string, std::string> fields;  // whose names are alike in both cases
   for (auto& [name, value] : header.fields) fields.emplace(lower_case(name), std::move(value));
   header.fields = std::move(fields);
@@ -43,7 +43,12 @@ Encoding data_encoding(const std::string& path, const TextHeader& header) {
                   "write it with the encoding raw or gzip");
 }
 
-// Lines to skip come first, then bytes; -1 byte means that the voxels are the last bytes.
+std::int64_t decoded_bytes(const PixelLayout& layout) {
+  return ByteStream(layout.file, layout.file_offset, layout.encoding).finish();
+}
+
+// Lines to skip come first, then bytes; -1 byte means that the voxels are the last bytes,
+// decoded.
 void apply_skips(const std::string& path, const TextHeader& header, PixelLayout& layout) {
   const auto value = [&](const char* key) {
     const std::vector<double> numbers = header.numbers(key);
@@ -55,7 +60,9 @@ void apply_skips(const std::string& path, const TextHeader& header, PixelLayout&
   if (lines != 0 || bytes < -1 || bytes > 1e15) {
     throw_bad_input(path, "it skips lines before its voxels", "write it as one .nrrd file");
   }
-  if (bytes == -1) {
+  if (bytes == -1 && layout.encoding == Encoding::deflate) {
+    layout.skip = std::max<std::int64_t>(decoded_bytes(layout) - held, 0);
+  } else if (bytes == -1) {
     layout.file_offset = std::max(layout.file_offset, file_size(layout.file) - held);
   } else if (layout.encoding == Encoding::raw) {
     layout.file_offset += static_cast<std::int64_t>(bytes);
@@ -152,6 +159,7 @@ std::string nrrd_voxel_file(const std::string& path) {
 Volume open_nrrd(const std::string& path) {
   const TextHeader header = read_header(path);
   for (const double spacing : header.numbers("spacings")) check_raw_spacing(path, spacing);
+  for (const double size : header.numbers("sizes")) check_raw_size(path, size);
   PixelLayout layout = data_layout(path, header);
   check_endian(path, header);
 

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <charconv>
 #include <cstdint>
+#include <optional>
 #include <string_view>
 #include <vector>
 
 #include "io/byte_stream.h"
 #include "io/io_error.h"
+#include "io/text_words.h"
 
 namespace vasamesh {
 namespace {
@@ -17,29 +19,26 @@ namespace {
                   "write the surface again");
 }
 
-/// Takes the next word off the front of `text`; empty at the end.
-std::string_view next_word(std::string_view& text) {
-  const char* blanks = " \t\r";
-  text.remove_prefix(std::min(text.find_first_not_of(blanks), text.size()));
-  const std::string_view word = text.substr(0, text.find_first_of(blanks));
-  text.remove_prefix(word.size());
-  return word;
+/// Takes a line off the front of `text`, without blanks at its end.
+std::string_view next_line(std::string_view& text) {
+  const std::size_t end = std::min(text.find('\n'), text.size());
+  const std::string_view line = text.substr(0, end);
+  text.remove_prefix(std::min(end + 1, text.size()));
+  return line.substr(0, line.find_last_not_of(" \t\r") + 1);
 }
 
 bool read_vertex(std::string_view text, std::vector<float>& vertices) {
   for (int axis = 0; axis < 3; ++axis) {
-    const std::string_view word = next_word(text);
-    double value = 0;  // one too small for a float is no error
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-    if (error != std::errc() || end != word.data() + word.size()) return false;
-    vertices.push_back(static_cast<float>(value));
+    const std::optional<double> value = number_in(next_word(text));
+    if (!value) return false;
+    vertices.push_back(static_cast<float>(*value));
   }
   return true;
 }
 
 /// Indices count from 1, or backwards from the last vertex so far.
 bool read_corner(std::string_view word, std::size_t vertices, std::uint32_t& corner) {
-  word = word.substr(0, word.find('/'));
+  word = without_plus(word.substr(0, word.find('/')));
   std::int64_t index = 0;
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), index);
   if (error != std::errc() || end != word.data() + word.size() || index == 0) return false;
@@ -49,36 +48,39 @@ bool read_corner(std::string_view word, std::size_t vertices, std::uint32_t& cor
   return true;
 }
 
-bool read_face(std::string_view text, TriangleMesh& mesh) {
-  std::uint32_t first = 0, last = 0;
-  for (int count = 0;; ++count) {
-    const std::string_view word = next_word(text);
-    if (word.empty()) return count >= 3;
-    std::uint32_t corner = 0;
-    if (!read_corner(word, mesh.vertex_count(), corner)) return false;
-    if (count == 0) first = corner;
-    if (count >= 2) mesh.triangles.insert(mesh.triangles.end(), {first, last, corner});
-    last = corner;
+bool read_face(std::string_view text, std::vector<std::uint32_t>& corners, FannedMesh& surface) {
+  corners.clear();
+  for (std::string_view word; !(word = next_word(text)).empty();) {
+    corners.emplace_back();
+    if (!read_corner(word, surface.mesh.vertex_count(), corners.back())) return false;
   }
+  surface.append(corners);
+  return corners.size() >= 3;
 }
 
 }  // namespace
 
-TriangleMesh read_obj(const std::string& path) {
-  std::string text(static_cast<std::size_t>(file_size(path)), '\0');
-  text.resize(ByteStream(path, 0, Encoding::raw).read(text.data(), text.size()));
-  TriangleMesh mesh;
-  std::size_t begin = 0;
-  for (std::size_t line = 1; begin < text.size(); ++line) {
-    const std::size_t end = std::min(text.find('\n', begin), text.size());
-    std::string_view rest(text.data() + begin, end - begin);
-    begin = end + 1;
+FannedMesh read_obj(const std::string& path) {
+  const std::string bytes = whole_file(path);
+  std::string_view text = without_mark(bytes);
+  FannedMesh surface;
+  std::vector<std::uint32_t> corners;
+  for (std::size_t line = 1; !text.empty(); ++line) {
+    std::string_view rest = next_line(text);
     const std::string_view kind = next_word(rest);
+    if (kind != "v" && kind != "f") continue;
+    const std::size_t first = line;
+    std::string joined;  // of lines that "\" joins
+    for (; rest.ends_with('\\') && !text.empty(); ++line, rest = joined) {
+      const std::string begun(rest.substr(0, rest.size() - 1));
+      joined = begun + " " + std::string(next_line(text));
+    }
+    rest = rest.substr(0, rest.find('#'));
     const bool good =
-        kind == "v" ? read_vertex(rest, mesh.vertices) : kind != "f" || read_face(rest, mesh);
-    if (!good) throw_bad_line(path, line);
+        kind == "v" ? read_vertex(rest, surface.mesh.vertices) : read_face(rest, corners, surface);
+    if (!good) throw_bad_line(path, first);
   }
-  return mesh;
+  return surface;
 }
 
 }  // namespace vasamesh

@@ -6,12 +6,13 @@
 
 #include <string>
 
-#include "vasamesh/types.h"
+#include "io/polygons.h"
 
 namespace vasamesh {
 
-/// Lines "v" and "f" (fans of polygons; corners "7", "7/2", "7//3", "-1"); others are ignored.
-/// \throws Error bad_input: not numbers, an index out of range.
-TriangleMesh read_obj(const std::string& path);
+/// Lines "v" and "f" (corners "7", "7/2", "7//3", "-1"), also with comments at their end, or
+/// continued behind "\"; others are ignored.
+/// \throws Error bad_input: not numbers, an index before the first vertex.
+FannedMesh read_obj(const std::string& path);
 
 }  // namespace vasamesh

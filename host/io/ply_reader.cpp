@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <limits>
+#include <optional>
 #include <sstream>
 #include <string_view>
 #include <vector>
@@ -15,6 +15,7 @@
 #include "io/byte_stream.h"
 #include "io/io_error.h"
 #include "io/pixel_source.h"
+#include "io/text_words.h"
 
 namespace vasamesh {
 namespace {
@@ -84,12 +85,32 @@ PlyFormat read_format(const std::string& path, std::istream& words) {
   throw_no_ply(path);
 }
 
-PlyHeader read_header(const std::string& path, const std::string& text) {
+bool has_number(const Element& element, const char* name) {
+  return std::any_of(
+      element.properties.begin(), element.properties.end(),
+      [&](const Property& property) { return property.name == name && !property.is_list; });
+}
+
+void check_elements(const std::string& path, const std::vector<Element>& elements) {
+  for (const Element& element : elements) {
+    if (element.name == "tristrips" && element.count > 0) {
+      throw_bad_input(path, "its triangles are in strips (tristrips), which are not read",
+                      "write it with faces");
+    }
+    if (element.name != "vertex") continue;
+    for (const char* axis : {"x", "y", "z"}) {
+      if (has_number(element, axis)) continue;
+      throw_bad_input(path, std::string("its vertices have no ") + axis, "write the surface again");
+    }
+  }
+}
+
+PlyHeader read_header(const std::string& path, std::string_view text) {
   PlyHeader header;
   if (!text.starts_with("ply")) throw_no_ply(path);
   for (std::size_t begin = 0, end; (end = text.find('\n', begin)) != std::string::npos;
        begin = end + 1) {
-    std::istringstream words(text.substr(begin, end - begin));
+    std::istringstream words(std::string(text.substr(begin, end - begin)));
     std::string keyword;
     words >> keyword;
     if (keyword == "format") header.format = read_format(path, words);
@@ -116,7 +137,7 @@ class PlyValues {
       : path_(path), rest_(rest), format_(format) {}
 
   double next(PixelType type) {
-    if (format_ == PlyFormat::text) return next_word();
+    if (format_ == PlyFormat::text) return next_number();
     double value = 0;
     visit_pixel_type(type, [&]<class T>(T) { value = static_cast<double>(next_bytes<T>()); });
     return value;
@@ -145,15 +166,10 @@ class PlyValues {
     return std::bit_cast<T>(bytes);
   }
 
-  double next_word() {
-    const char* blanks = " \t\r\n";
-    rest_.remove_prefix(std::min(rest_.find_first_not_of(blanks), rest_.size()));
-    double value = 0;
-    const char* last = rest_.data() + rest_.size();
-    const auto [end, error] = std::from_chars(rest_.data(), last, value);
-    if (error != std::errc()) throw_truncated();
-    rest_.remove_prefix(static_cast<std::size_t>(end - rest_.data()));
-    return value;
+  double next_number() {
+    const std::optional<double> number = number_in(next_word(rest_));
+    if (!number) throw_truncated();
+    return *number;
   }
 
   const std::string& path_;
@@ -168,16 +184,12 @@ std::uint32_t corner_of(const std::string& path, double index) {
   return static_cast<std::uint32_t>(index);
 }
 
-void read_fan(const std::string& path, PlyValues& values, const Property& property,
-              TriangleMesh& mesh) {
+void read_corners(const std::string& path, PlyValues& values, const Property& property,
+                  std::vector<std::uint32_t>& corners) {
   const std::int64_t count = values.next_count(property.count_type);
-  std::uint32_t first = 0, last = 0;
-  for (std::int64_t i = 0; i < count; ++i) {
-    const std::uint32_t corner = corner_of(path, values.next(property.type));
-    if (i == 0) first = corner;
-    if (i >= 2) mesh.triangles.insert(mesh.triangles.end(), {first, last, corner});
-    last = corner;
-  }
+  corners.clear();
+  for (std::int64_t i = 0; i < count; ++i)
+    corners.push_back(corner_of(path, values.next(property.type)));
 }
 
 void read_vertex_property(PlyValues& values, const Property& property, float* vertex) {
@@ -193,7 +205,9 @@ void skip_property(PlyValues& values, const Property& property) {
 }
 
 void read_element(const std::string& path, PlyValues& values, const Element& element,
-                  TriangleMesh& mesh) {
+                  FannedMesh& surface) {
+  TriangleMesh& mesh = surface.mesh;
+  std::vector<std::uint32_t> corners;
   const bool is_vertex = element.name == "vertex", is_face = element.name == "face";
   if (element.properties.empty()) return;
   for (std::int64_t i = 0; i < element.count; ++i) {
@@ -201,7 +215,8 @@ void read_element(const std::string& path, PlyValues& values, const Element& ele
     for (const Property& property : element.properties) {
       const bool is_corners = property.is_list && property.name.starts_with("vertex_ind");
       if (is_face && is_corners) {
-        read_fan(path, values, property, mesh);
+        read_corners(path, values, property, corners);
+        surface.append(corners);
       } else if (is_vertex && !property.is_list) {
         read_vertex_property(values, property, &mesh.vertices[mesh.vertices.size() - 3]);
       } else {
@@ -213,14 +228,15 @@ void read_element(const std::string& path, PlyValues& values, const Element& ele
 
 }  // namespace
 
-TriangleMesh read_ply(const std::string& path) {
-  std::string text(static_cast<std::size_t>(file_size(path)), '\0');
-  text.resize(ByteStream(path, 0, Encoding::raw).read(text.data(), text.size()));
+FannedMesh read_ply(const std::string& path) {
+  const std::string bytes = whole_file(path);
+  const std::string_view text = without_mark(bytes);
   const PlyHeader header = read_header(path, text);
-  PlyValues values(path, std::string_view(text).substr(header.end), header.format);
-  TriangleMesh mesh;
-  for (const Element& element : header.elements) read_element(path, values, element, mesh);
-  return mesh;
+  check_elements(path, header.elements);
+  PlyValues values(path, text.substr(header.end), header.format);
+  FannedMesh surface;
+  for (const Element& element : header.elements) read_element(path, values, element, surface);
+  return surface;
 }
 
 }  // namespace vasamesh

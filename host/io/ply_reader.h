@@ -6,13 +6,14 @@
 
 #include <string>
 
-#include "vasamesh/types.h"
+#include "io/polygons.h"
 
 namespace vasamesh {
 
 /// Text or binary of either byte order; properties x, y, z of element "vertex" and the list
-/// "vertex_indices" (or "vertex_index") of element "face", polygons as fans; all else is skipped.
-/// \throws Error bad_input: not such a file, truncated, a negative or non-integral index.
-TriangleMesh read_ply(const std::string& path);
+/// "vertex_indices" (or "vertex_index") of element "face"; all else is skipped.
+/// \throws Error bad_input: not such a file, truncated, vertices without x, y or z, triangles in
+///         strips, a negative or non-integral index.
+FannedMesh read_ply(const std::string& path);
 
 }  // namespace vasamesh

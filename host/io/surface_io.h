@@ -14,9 +14,9 @@
 
 namespace vasamesh {
 
-/// Reads a triangle surface; polygons are cut into fans, lines and points ignored. Vertices come in
-/// the file's order and space; those of an STL file are merged where equal, in order of first
-/// appearance.
+/// Reads a triangle surface; polygons are cut into triangles, lines and points ignored. Vertices
+/// come in the file's order and space, rounded to float32; those of an STL file are merged where
+/// equal, in order of first appearance.
 ///
 /// \throws Error bad_input, naming the file: no such file, unknown ending, unreadable, no
 ///         triangles, an index out of range, a coordinate that is not finite, more than 2^32 - 1

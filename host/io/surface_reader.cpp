@@ -7,16 +7,13 @@
 #include <vtkOutputWindow.h>
 #include <vtkPolyData.h>
 #include <vtkPolyDataReader.h>
-#include <vtkSTLReader.h>
 #include <vtkStringArray.h>
 #include <vtkXMLPolyDataReader.h>
 
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cctype>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <optional>
 #include <string_view>
@@ -27,7 +24,9 @@
 #include "io/io_error.h"
 #include "io/obj_reader.h"
 #include "io/ply_reader.h"
+#include "io/polygons.h"
 #include "io/quiet.h"
+#include "io/stl_reader.h"
 #include "io/surface_io.h"
 #include "io/trial.h"
 #include "lower_case.h"
@@ -67,22 +66,21 @@ class VtkMessages {
 };
 
 /// Runs a reader of VTK's; null when it fails.
-template <class Reader, class Prepare>
-vtkSmartPointer<vtkPolyData> run_reader(const std::string& path, const Prepare& prepare) {
+template <class Reader>
+vtkSmartPointer<vtkPolyData> run_reader(const std::string& path) {
   VtkMessages messages;
   vtkNew<Reader> reader;
   reader->SetFileName(path.c_str());
-  prepare(*reader);
   reader->Update();
   return messages.failed() || reader->GetErrorCode() != 0 ? nullptr : reader->GetOutput();
 }
 
 /// VTK trusts numbers in its files: it is let read on trial first.
-template <class Reader, class Prepare>
-vtkSmartPointer<vtkPolyData> try_reader(const std::string& path, const Prepare& prepare) {
+template <class Reader>
+vtkSmartPointer<vtkPolyData> try_reader(const std::string& path) {
   vtkSmartPointer<vtkPolyData> data;
-  if (survives(reading_memory(file_size(path)), [&] { run_reader<Reader>(path, prepare); }))
-    data = run_reader<Reader>(path, prepare);
+  if (survives(reading_memory(file_size(path)), [&] { run_reader<Reader>(path); }))
+    data = run_reader<Reader>(path);
   if (!data) {
     throw_bad_input(path, "it cannot be read as a surface: truncated, corrupt or another format",
                     "write the surface again");
@@ -91,33 +89,8 @@ vtkSmartPointer<vtkPolyData> try_reader(const std::string& path, const Prepare& 
 }
 
 vtkSmartPointer<vtkPolyData> read_poly_data(const std::string& path, const std::string& ending) {
-  const auto nothing = [](auto&) {};
-  if (ending == ".vtp") return try_reader<vtkXMLPolyDataReader>(path, nothing);
-  if (ending == ".vtk") return try_reader<vtkPolyDataReader>(path, nothing);
-  return try_reader<vtkSTLReader>(path, [](vtkSTLReader& reader) { reader.MergingOff(); });
-}
-
-/// "solid" begins a text, and some binary files: a text has no control characters but white space.
-bool is_text_stl(std::string_view head) {
-  return head.starts_with("solid") && std::all_of(head.begin(), head.end(), [](unsigned char c) {
-           return std::iscntrl(c) == 0 || std::isspace(c) != 0;
-         });
-}
-
-// VTK reads as many triangles as it finds, whatever the number before them says.
-void check_stl(const std::string& path) {
-  constexpr std::size_t kHeader = 84, kRecord = 50;
-  std::array<char, kHeader + kRecord> head{};
-  const std::size_t bytes = ByteStream(path, 0, Encoding::raw).read(head.data(), head.size());
-  std::uint32_t count = 0;
-  std::memcpy(&count, head.data() + 80, sizeof(count));
-  const std::size_t whole = kHeader + kRecord * count,
-                    size = static_cast<std::size_t>(file_size(path));
-  if (size == whole || is_text_stl({head.data(), bytes})) return;
-  if (size < whole) {
-    throw_bad_input(path, "truncated: it holds fewer triangles than it says",
-                    "get a whole copy of the file");
-  }
+  if (ending == ".vtp") return try_reader<vtkXMLPolyDataReader>(path);
+  return try_reader<vtkPolyDataReader>(path);
 }
 
 void copy_vertices(const std::string& path, vtkPolyData& data, TriangleMesh& mesh) {
@@ -135,29 +108,27 @@ void copy_vertices(const std::string& path, vtkPolyData& data, TriangleMesh& mes
   }
 }
 
-void append_triangle(const std::string& path, vtkIdType a, vtkIdType b, vtkIdType c,
-                     TriangleMesh& mesh) {
-  for (const vtkIdType corner : {a, b, c}) {
-    if (corner < 0 || corner > std::numeric_limits<std::uint32_t>::max()) {
-      throw_bad_input(path, "a triangle's index is out of range", "write the surface again");
-    }
-    mesh.triangles.push_back(static_cast<std::uint32_t>(corner));
+std::uint32_t corner_of(const std::string& path, vtkIdType corner) {
+  if (corner < 0 || corner > std::numeric_limits<std::uint32_t>::max()) {
+    throw_bad_input(path, "a triangle's index is out of range", "write the surface again");
   }
+  return static_cast<std::uint32_t>(corner);
 }
 
-void append_fans(const std::string& path, vtkCellArray& polygons, TriangleMesh& mesh) {
+void append_polygons(const std::string& path, vtkCellArray& polygons, FannedMesh& surface) {
   vtkIdType count = 0;
-  const vtkIdType* corners = nullptr;
+  const vtkIdType* ids = nullptr;
+  std::vector<std::uint32_t> corners;
   const auto cell = vtk::TakeSmartPointer(polygons.NewIterator());
   for (cell->GoToFirstCell(); !cell->IsDoneWithTraversal(); cell->GoToNextCell()) {
-    cell->GetCurrentCell(count, corners);
-    for (vtkIdType i = 2; i < count; ++i) {
-      append_triangle(path, corners[0], corners[i - 1], corners[i], mesh);
-    }
+    cell->GetCurrentCell(count, ids);
+    corners.clear();
+    for (vtkIdType i = 0; i < count; ++i) corners.push_back(corner_of(path, ids[i]));
+    surface.append(corners);
   }
 }
 
-void append_strips(const std::string& path, vtkCellArray& strips, TriangleMesh& mesh) {
+void append_strips(const std::string& path, vtkCellArray& strips, FannedMesh& surface) {
   vtkIdType count = 0;
   const vtkIdType* corners = nullptr;
   const auto cell = vtk::TakeSmartPointer(strips.NewIterator());
@@ -165,7 +136,9 @@ void append_strips(const std::string& path, vtkCellArray& strips, TriangleMesh& 
     cell->GetCurrentCell(count, corners);
     for (vtkIdType i = 2; i < count; ++i) {
       const vtkIdType odd = i % 2;
-      append_triangle(path, corners[i - 2], corners[i - 1 + odd], corners[i - odd], mesh);
+      surface.append(std::array{corner_of(path, corners[i - 2]),
+                                corner_of(path, corners[i - 1 + odd]),
+                                corner_of(path, corners[i - odd])});
     }
   }
 }
@@ -252,24 +225,27 @@ PlacedSurface read_placed_surface(const std::string& path) {
   if (ending.empty()) {
     throw_bad_input(path, "unknown format of a surface", "give .vtp, .stl, .ply, .obj or .vtk");
   }
-  PlacedSurface surface;
-  TriangleMesh& mesh = surface.mesh;
-  if (ending != ".vtp") surface.space = space_in_head(path);
-  if (ending == ".stl") check_stl(path);
-  if (ending == ".obj") {
-    mesh = read_obj(path);
+  PlacedSurface placed;
+  FannedMesh surface;
+  if (ending != ".vtp") placed.space = space_in_head(path);
+  if (ending == ".stl") {
+    surface.mesh = read_stl(path);
+  } else if (ending == ".obj") {
+    surface = read_obj(path);
   } else if (ending == ".ply") {
-    mesh = read_ply(path);
+    surface = read_ply(path);
   } else {
     const vtkSmartPointer<vtkPolyData> data = read_poly_data(path, ending);
-    copy_vertices(path, *data, mesh);
-    append_fans(path, *data->GetPolys(), mesh);
-    append_strips(path, *data->GetStrips(), mesh);
-    if (ending == ".vtp") surface.space = space_in_fields(*data);
+    copy_vertices(path, *data, surface.mesh);
+    append_polygons(path, *data->GetPolys(), surface);
+    append_strips(path, *data->GetStrips(), surface);
+    if (ending == ".vtp") placed.space = space_in_fields(*data);
   }
-  check_mesh(path, mesh);
-  if (ending == ".stl") merge_vertices(mesh);
-  return surface;
+  check_mesh(path, surface.mesh);
+  cut_polygons(surface);
+  placed.mesh = std::move(surface.mesh);
+  if (ending == ".stl") merge_vertices(placed.mesh);
+  return placed;
 }
 
 TriangleMesh read_surface(const std::string& path) { return read_placed_surface(path).mesh; }

@@ -20,6 +20,10 @@ std::string trimmed(std::string_view text) {
   return std::string(text.substr(first, text.find_last_not_of(blanks) - first + 1));
 }
 
+bool is_metadata(std::string_view line, std::size_t split, const TextHeaderFormat& format) {
+  return !format.metadata.empty() && line.substr(split).starts_with(format.metadata);
+}
+
 }  // namespace
 
 std::string TextHeader::get(const std::string& key, const std::string& otherwise) const {
@@ -42,20 +46,19 @@ std::vector<double> TextHeader::numbers(const std::string& key) const {
   }
 }
 
-TextHeader read_text_header(const std::string& path, const std::string& separator,
-                            bool (*last)(const std::string& key, const std::string& line)) {
+TextHeader read_text_header(const std::string& path, const TextHeaderFormat& format) {
   std::string text(kMostHeaderBytes, '\0');
   text.resize(ByteStream(path, 0, Encoding::raw).read(text.data(), text.size()));
   TextHeader header;
   std::size_t begin = 0;
   for (std::size_t end; (end = text.find('\n', begin)) != std::string::npos; begin = end + 1) {
     const std::string line = trimmed(std::string_view(text).substr(begin, end - begin));
-    const std::size_t split = line.find(separator);
-    const bool has_key = split != std::string::npos;
+    const std::size_t split = line.find_first_of(format.separators);
+    const bool has_key = split != std::string::npos && !is_metadata(line, split, format);
     const std::string key = has_key ? trimmed(line.substr(0, split)) : std::string();
-    if (has_key) header.fields[key] = trimmed(line.substr(split + separator.size()));
+    if (has_key) header.fields[key] = trimmed(line.substr(split + 1));
     header.end = static_cast<std::int64_t>(end) + 1;
-    if (last(key, line)) return header;
+    if (format.last(key, line)) return header;
   }
   throw_bad_input(path, "its header does not end", "get a whole copy of the file");
 }

@@ -22,10 +22,15 @@ struct TextHeader {
   std::vector<double> numbers(const std::string& key) const;
 };
 
-/// Reads lines "key<separator>value" to the first line for which `last(key, line)`: "" is the key
-/// of a line without separator. \throws Error bad_input: no such line in the first MiB.
-TextHeader read_text_header(const std::string& path, const std::string& separator,
-                            bool (*last)(const std::string& key, const std::string& line));
+struct TextHeaderFormat {
+  std::string separators;  ///< characters, each of which ends a key
+  std::string metadata;    ///< what stands for the separator in lines that are no fields; or empty
+  bool (*last)(const std::string& key, const std::string& line);  ///< whether the header ends
+};
+
+/// Reads lines of a key, a separator and a value, to the last: "" is the key of one without
+/// separator, or of metadata. \throws Error bad_input: no such line in the first MiB.
+TextHeader read_text_header(const std::string& path, const TextHeaderFormat& format);
 
 /// The file that `header_path` names `name`, beside it unless the name is absolute.
 std::string beside(const std::string& header_path, const std::string& name);
