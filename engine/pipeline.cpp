@@ -225,13 +225,15 @@ std::optional<double> possible_instead(const Labelled& labelled, const Parameter
 /// The surface that is asked for, with its check and its making in the report.
 TriangleMesh proven_mesh(const Labelled& labelled, const Parameters& parameters,
                          const SolidMatch& wanted, Scheduler& scheduler, Report& report) {
-  if (parameters.surface == SurfaceKind::adaptive) try {
-      if (std::optional<TriangleMesh> mesh =
-              adaptive_mesh(labelled, parameters, wanted, scheduler, report))
-        return std::move(*mesh);
-    } catch (const CountRefused& refusal) {
-      refuse_with_number_that_is_met(refusal, labelled, parameters, wanted, scheduler);
-    }
+  if (parameters.surface == SurfaceKind::base)
+    return proven_base(labelled.lattice, scheduler, wanted, report);
+  try {
+    if (std::optional<TriangleMesh> mesh =
+            adaptive_mesh(labelled, parameters, wanted, scheduler, report))
+      return std::move(*mesh);
+  } catch (const CountRefused& refusal) {
+    refuse_with_number_that_is_met(refusal, labelled, parameters, wanted, scheduler);
+  }
   return proven_base(labelled.lattice, scheduler, wanted, report);
 }
 

@@ -79,8 +79,7 @@ std::string far_out(const Examination& result) {
   if (!(double{result.step} > kCoarse * side)) return {};
   return fmt::format(
       "; so far out float32 coordinates, to which it is rounded, are {:.2g} mm apart: move it "
-      "nearer "
-      "to the origin",
+      "nearer to the origin",
       result.step);
 }
 

@@ -28,9 +28,8 @@ std::int64_t voxel_count(const std::string& path, const Geometry& geometry);
 ///         direction that is sheared.
 void check_geometry(const std::string& path, const Geometry& geometry);
 
-/// \throws Error bad_input unless `size`, along one axis as the file has it, is a whole number from
-/// 1
-///         to 1e9. ITK takes what is left of it in 32 bits.
+/// \throws Error bad_input unless `size`, along one axis as the file has it, is a whole number
+///         from 1 to 1e9. ITK takes what is left of it in 32 bits.
 void check_raw_size(const std::string& path, double size);
 
 /// \throws Error bad_input unless `spacing`, as the file has it, is finite and above zero.
