@@ -1,18 +1,24 @@
 /// \file
 /// DICOM series: written through ITK and GDCM, then read from their folder.
 
+#include <gdcmAttribute.h>
+#include <gdcmReader.h>
 #include <gdcmTrace.h>
+#include <gdcmWriter.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <itkGDCMImageIO.h>
 #include <itkImageSeriesWriter.h>
 #include <itkMetaDataObject.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <random>
 
 #include "io/volume_reader.h"
@@ -98,6 +104,53 @@ void write_series(const std::string& folder, const Geometry& geometry,
   writer->SetMetaDataDictionaryArray(&pointers);
   writer->Update();
 }
+
+/// Six slices in `folder`; the last is 7_4.dcm. \return their geometry
+Geometry write_slices(const std::string& folder) {
+  const Geometry geometry = series_geometry(false);
+  write_series(folder, geometry, random_pixels(geometry, 1), "7");
+  return geometry;
+}
+
+/// Changes the elements of a file.
+void edit(const std::string& path, const std::function<void(gdcm::DataSet&)>& change) {
+  gdcm::Reader reader;
+  reader.SetFileName(path.c_str());
+  ASSERT_TRUE(reader.Read());
+  change(reader.GetFile().GetDataSet());
+  gdcm::Writer writer;
+  writer.CheckFileMetaInformationOff();
+  writer.SetFile(reader.GetFile());
+  writer.SetFileName(path.c_str());
+  ASSERT_TRUE(writer.Write());
+}
+
+/// Sets an element of text.
+void set_text(gdcm::DataSet& set, const gdcm::Tag& tag, const gdcm::VR& vr, std::string text) {
+  if (text.size() % 2 != 0) text += ' ';
+  gdcm::DataElement element(tag);
+  element.SetVR(vr);
+  element.SetByteValue(text.data(), static_cast<std::uint32_t>(text.size()));
+  set.Replace(element);
+}
+
+const gdcm::Tag kSeriesUid(0x0020, 0x000e), kPixels(0x7fe0, 0x0010);
+
+/// Permissions count for the life of the object, even where root runs the tests.
+class AsNobody {
+ public:
+  AsNobody() { is_root_ = geteuid() == 0 && seteuid(65534) == 0; }
+  ~AsNobody() {
+    if (is_root_) {
+      EXPECT_EQ(seteuid(0), 0);
+    }
+  }
+  AsNobody(const AsNobody&) = delete;
+  AsNobody& operator=(const AsNobody&) = delete;
+
+ private:
+  bool is_root_ = false;
+};
 
 std::string error_of(const std::string& path) {
   testing::internal::CaptureStderr();
@@ -186,6 +239,99 @@ TEST(Dicom, TruncatedSlice) {
   const std::string bytes = read_text(scratch / "series/7_2.dcm");
   write_text(scratch / "series/7_2.dcm", bytes.substr(0, bytes.size() - 100));
   EXPECT_THAT(error_of(scratch / "series"), HasSubstr("7_2.dcm: truncated"));
+}
+
+TEST(Dicom, WhatIsNoSliceIsLeftAside) {
+  const Scratch scratch;
+  const std::string folder = scratch / "series";
+  const Geometry geometry = write_slices(folder);
+  write_text(folder + "/DICOMDIR", "");
+  write_text(folder + "/.DS_Store", std::string(200, '\0'));
+  write_text(folder + "/._7_0.dcm", std::string("\0\5\x16\7", 4));
+  write_text(folder + "/README", "no ending");
+  write_text(folder + "/thumbnail.png", std::string("\x89PNG\0\0", 6));
+  write_text(folder + "/empty.log", "");
+  std::filesystem::create_directory(folder + "/more.dcm");
+  std::filesystem::create_symlink("nowhere", folder + "/.#7_0.dcm");
+  ASSERT_EQ(mkfifo((folder + "/pipe.dcm").c_str(), 0600), 0);
+  std::filesystem::copy(folder + "/7_0.dcm", folder + "/report.dcm");
+  edit(folder + "/report.dcm", [](gdcm::DataSet& set) {
+    set.Remove(kPixels);
+    set_text(set, kSeriesUid, gdcm::VR::UI, "1.2.3");
+  });
+  std::filesystem::copy(folder + "/7_0.dcm", folder + "/scout.dcm");
+  edit(folder + "/scout.dcm", [](gdcm::DataSet& set) {
+    set_text(set, gdcm::Tag(0x0008, 0x0008), gdcm::VR::CS, "ORIGINAL\\PRIMARY\\LOCALIZER");
+    set_text(set, kSeriesUid, gdcm::VR::UI, "1.2.4");
+  });
+  EXPECT_EQ(read_segmentation(folder).geometry.size, geometry.size);
+}
+
+TEST(Dicom, SlicesBehindLinks) {
+  const Scratch scratch;
+  const Geometry geometry = write_slices(scratch / "store");
+  std::filesystem::create_directory(scratch / "series");
+  for (int k = 0; k < 6; ++k) {
+    const std::string name = "/7_" + std::to_string(k) + ".dcm";
+    std::filesystem::create_symlink("../store" + name, scratch / "series" + name);
+  }
+  EXPECT_EQ(read_segmentation(scratch / "series").geometry.size, geometry.size);
+  std::filesystem::remove(scratch / "store/7_4.dcm");
+  EXPECT_THAT(error_of(scratch / "series"), HasSubstr("7_4.dcm: this link leads to no file"));
+}
+
+TEST(Dicom, WhatCannotBeReadIsNamed) {
+  const Scratch scratch;
+  const std::string folder = scratch / "series";
+  write_slices(folder);
+  chmod((scratch / "").c_str(), 0755);
+  chmod((folder + "/7_4.dcm").c_str(), 0);
+  {
+    const AsNobody nobody;
+    EXPECT_THAT(error_of(folder), HasSubstr("7_4.dcm: the file cannot be read; make it readable"));
+  }
+  chmod(folder.c_str(), 0);
+  {
+    const AsNobody nobody;
+    EXPECT_THAT(error_of(folder),
+                HasSubstr("series: the folder cannot be read: Permission denied"));
+  }
+  chmod(folder.c_str(), 0755);
+}
+
+TEST(Dicom, LastSliceCutAnywhere) {
+  const Scratch scratch;
+  const std::string folder = scratch / "series", last = folder + "/7_4.dcm";
+  write_slices(folder);
+  const std::string bytes = read_text(last);
+  for (std::size_t size = 0; size < bytes.size(); size += 23) {
+    write_text(last, bytes.substr(0, size));
+    EXPECT_THAT(error_of(folder), HasSubstr("7_4.dcm: ")) << size;
+  }
+}
+
+TEST(Dicom, SliceWithoutPixels) {
+  const Scratch scratch;
+  write_slices(scratch / "series");
+  edit(scratch / "series/7_4.dcm", [](gdcm::DataSet& set) { set.Remove(kPixels); });
+  EXPECT_THAT(error_of(scratch / "series"),
+              HasSubstr("7_4.dcm: it belongs to the series but holds"));
+}
+
+TEST(Dicom, EmptyOrForeignFileNamedAsASlice) {
+  const Scratch scratch;
+  const std::string folder = scratch / "series";
+  write_slices(folder);
+  write_text(folder + "/7_6.DCM", "text");
+  EXPECT_THAT(error_of(folder), HasSubstr("7_6.DCM: a file among the slices that is not DICOM"));
+  std::filesystem::remove(folder + "/7_6.DCM");
+  for (int k = 0; k < 6; ++k) {
+    const std::string stem = folder + "/7_" + std::to_string(k);
+    std::filesystem::rename(stem + ".dcm", stem);
+  }
+  EXPECT_EQ(read_segmentation(folder).geometry.size[2], 6);
+  write_text(folder + "/7_6", "");
+  EXPECT_THAT(error_of(folder), HasSubstr("7_6: an empty file among the slices"));
 }
 
 TEST(Dicom, TiltedGantryIsSheared) {

@@ -1,13 +1,11 @@
 /// \file
-/// A folder with one DICOM series (DICOM PS3.3, C.7.6.2: image plane). GDCM reads the slices and
-/// orders them; the spacing between slices is measured from their positions, and must be even.
+/// A folder with one DICOM series (DICOM PS3.3, C.7.6.2: image plane). GDCM reads the slices, which
+/// are ordered along their normal; the spacing between them is measured from their positions, and
+/// must be even.
 /// Debian's GDCM is built with assertions, which corrupt files trip: all is read on trial first.
 
 #include <fmt/format.h>
-#include <gdcmImageHelper.h>
-#include <gdcmReader.h>
 #include <itkGDCMImageIO.h>
-#include <itkGDCMSeriesFileNames.h>
 #include <itkMetaDataObject.h>
 
 #include <algorithm>
@@ -15,9 +13,10 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdlib>
-#include <filesystem>
 #include <vector>
 
+#include "io/byte_stream.h"
+#include "io/dicom_folder.h"
 #include "io/io_error.h"
 #include "io/itk_header.h"
 #include "io/trial.h"
@@ -46,51 +45,13 @@ void set_slice_axis(const Vector& axis, Geometry& geometry) {
   for (int row = 0; row < 3; ++row) geometry.direction[3 * row + 2] = axis[row];
 }
 
-std::int64_t folder_bytes(const std::string& folder) {
-  std::int64_t bytes = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-    if (entry.is_regular_file()) bytes += static_cast<std::int64_t>(entry.file_size());
-  }
-  return bytes;
-}
-
-/// The files of the only series in `folder`, in order of their positions.
-std::vector<std::string> series_files(const std::string& folder) {
-  auto names = itk::GDCMSeriesFileNames::New();
-  names->SetUseSeriesDetails(true);
-  names->SetInputDirectory(folder);
-  const std::vector<std::string> series = names->GetSeriesUIDs();
-  if (series.empty()) {
-    throw_bad_input(folder, "a folder without a DICOM series", "give a file, or such a folder");
-  }
-  if (series.size() > 1) {
-    std::string list;
-    for (std::size_t i = 0; i < series.size() && i < 10; ++i) list += (i ? ", " : "") + series[i];
-    throw_bad_input(folder,
-                    fmt::format("it holds {} DICOM series ({}{})", series.size(), list,
-                                series.size() > 10 ? ", ..." : ""),
-                    "put the one to convert into a folder of its own");
-  }
-  return names->GetFileNames(series.front());
-}
-
 // GDCM fills the end of a truncated slice with zeros in silence.
-void check_whole(const std::string& file) {
-  const gdcm::Tag pixels(0x7fe0, 0x0010);
-  gdcm::Reader reader;
-  reader.SetFileName(file.c_str());
-  if (!reader.ReadUpToTag(pixels, {pixels}) ||
-      reader.GetFile().GetHeader().GetDataSetTransferSyntax().IsEncapsulated()) {
-    return;
-  }
-  double bytes = gdcm::ImageHelper::GetPixelFormatValue(reader.GetFile()).GetPixelSize();
-  for (const unsigned size : gdcm::ImageHelper::GetDimensionsValue(reader.GetFile())) {
-    bytes *= size;
-  }
-  const auto begin = static_cast<std::int64_t>(reader.GetStreamCurrentPosition());
-  if (static_cast<double>(file_size(file) - begin) < bytes) {
-    throw_bad_input(file, "truncated", "get a whole copy of the series");
-  }
+void check_whole(const DicomFile& file) {
+  if (!file.is_raw) return;
+  const double bits = static_cast<double>(file.columns * file.rows) *
+                      static_cast<double>(file.frame_count * file.samples * file.bits_allocated);
+  if (static_cast<double>(file_size(file.path) - file.pixels_begin) < std::ceil(bits / 8))
+    throw_bad_input(file.path, "truncated", "get a whole copy of the series");
 }
 
 /// Pixels slice by slice, as float64: slices may differ in type, by their rescaling.
@@ -109,7 +70,6 @@ class DicomPixels final : public PixelSource {
 
  private:
   void read_file(const std::string& file, std::vector<double>& values) const {
-    check_whole(file);
     auto io = itk::GDCMImageIO::New();
     read_itk_header(file, *io);
     const PixelType type = itk_pixel_type(file, *io);
@@ -167,60 +127,92 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
-/// \param steps  from each slice to the next; steps[i] leads to files[i + 1].
-void check_steps(const std::vector<std::string>& files, const std::vector<double>& steps) {
+struct Slice {
+  std::string file;
+  Geometry geometry;
+  double depth = 0;  ///< along the normal of the first
+};
+
+/// Along the normal, from each slice to the next.
+void check_steps(const std::vector<Slice>& slices) {
   constexpr double kTolerance = 0.1;
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < slices.size(); ++i)
+    steps.push_back(slices[i].depth - slices[i - 1].depth);
   const double usual = median(steps);
   for (std::size_t i = 0; i < steps.size(); ++i) {
-    if (std::abs(steps[i] - usual) <= kTolerance * std::abs(usual)) continue;
-    throw_bad_input(files[i + 1],
+    if (std::abs(steps[i] - usual) <= kTolerance * usual) continue;
+    throw_bad_input(slices[i + 1].file,
                     fmt::format("this slice is {:.6g} mm from the one before, others {:.6g} mm",
-                                std::abs(steps[i]), std::abs(usual)),
+                                steps[i], usual),
                     "give every slice once");
   }
 }
 
+/// In order along their normal.
+std::vector<Slice> slices_of(const std::string& folder, const std::vector<DicomFile>& files) {
+  std::vector<Slice> slices;
+  for (const DicomFile& file : files) slices.push_back({file.path, slice_geometry(file.path)});
+  const Geometry first = slices.front().geometry;
+  const Vector normal = cross(column(first, 0), column(first, 1));
+  for (Slice& slice : slices) {
+    check_same_plane(folder, first, slice.geometry);
+    slice.depth = dot(slice.geometry.origin, normal);
+  }
+  std::stable_sort(slices.begin(), slices.end(),
+                   [](const Slice& a, const Slice& b) { return a.depth < b.depth; });
+  return slices;
+}
+
 /// Sizes, spacing and direction of the stack of slices.
-Geometry stack_geometry(const std::string& folder, const std::vector<std::string>& files) {
-  Geometry stack = slice_geometry(files.front());
-  const Vector normal = cross(column(stack, 0), column(stack, 1));
-  std::vector<Vector> positions{stack.origin};
-  for (std::size_t i = 1; i < files.size(); ++i) {
-    const Geometry slice = slice_geometry(files[i]);
-    check_same_plane(folder, stack, slice);
-    positions.push_back(slice.origin);
-  }
-  std::vector<double> steps;
-  for (std::size_t i = 1; i < files.size(); ++i) {
-    steps.push_back(dot(difference(positions[i], positions[i - 1]), normal));
-  }
-  check_steps(files, steps);
-  const Vector way = difference(positions.back(), positions.front());
-  stack.size[2] = static_cast<std::int64_t>(files.size());
-  stack.spacing[2] = std::abs(dot(way, normal)) / static_cast<double>(steps.size());
+Geometry stack_geometry(const std::vector<Slice>& slices) {
+  Geometry stack = slices.front().geometry;
+  if (slices.size() == 1) return stack;
+  check_steps(slices);
+  const Vector way = difference(slices.back().geometry.origin, slices.front().geometry.origin);
+  const auto steps = static_cast<double>(slices.size() - 1);
+  stack.size[2] = static_cast<std::int64_t>(slices.size());
+  stack.spacing[2] = (slices.back().depth - slices.front().depth) / steps;
   const double length = std::sqrt(dot(way, way));
   set_slice_axis({way[0] / length, way[1] / length, way[2] / length}, stack);
   return stack;
 }
 
-Volume open_series(const std::string& folder) {
-  const std::vector<std::string> files = series_files(folder);
+Volume open_series(const std::string& folder, const std::vector<DicomFile>& files) {
+  for (const DicomFile& file : files) check_whole(file);
+  const std::vector<Slice> slices = slices_of(folder, files);
+  std::vector<std::string> paths;
+  for (const Slice& slice : slices) paths.push_back(slice.file);
   Volume volume;
-  volume.geometry =
-      files.size() == 1 ? slice_geometry(files.front()) : stack_geometry(folder, files);
+  volume.geometry = stack_geometry(slices);
   const auto pixels = static_cast<std::size_t>(voxel_count(folder, volume.geometry));
-  volume.pixels = std::make_unique<DicomPixels>(folder, files, pixels / files.size());
+  volume.pixels = std::make_unique<DicomPixels>(folder, paths, pixels / slices.size());
   return volume;
+}
+
+/// The memory that reading may take on trial.
+std::int64_t memory_for(const std::vector<std::string>& files) {
+  std::int64_t bytes = 0;
+  for (const std::string& file : files) bytes += file_size(file);
+  return reading_memory(bytes);
+}
+
+/// Names the file that no trial survives.
+[[noreturn]] void throw_culprit(const std::string& folder, const std::vector<std::string>& files) {
+  for (const std::string& file : files)
+    if (!survives(memory_for({file}), [&] { read_dicom_file(file); })) throw_damaged_header(file);
+  throw_bad_input(folder, "a file in it is corrupt", "get a whole copy of the series");
 }
 
 }  // namespace
 
 Volume open_dicom_series(const std::string& folder) {
-  const auto read_all = [&] { open_series(folder).pixels->visit([](const PixelChunk&) {}); };
-  if (!survives(reading_memory(folder_bytes(folder)), read_all)) {
-    throw_bad_input(folder, "a file in it is corrupt", "get a whole copy of the series");
-  }
-  return open_series(folder);
+  const std::vector<std::string> files = list_dicom_folder(folder);
+  const auto read_all = [&] {
+    open_series(folder, dicom_series(folder, files)).pixels->visit([](const PixelChunk&) {});
+  };
+  if (!survives(memory_for(files), read_all)) throw_culprit(folder, files);
+  return open_series(folder, dicom_series(folder, files));
 }
 
 }  // namespace vasamesh
