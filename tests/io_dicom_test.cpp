@@ -1,8 +1,9 @@
 /// \file
 /// DICOM series: written through ITK and GDCM, then read from their folder.
 
-#include <gdcmAttribute.h>
+#include <gdcmItem.h>
 #include <gdcmReader.h>
+#include <gdcmSequenceOfItems.h>
 #include <gdcmTrace.h>
 #include <gdcmWriter.h>
 #include <gmock/gmock.h>
@@ -134,7 +135,8 @@ void set_text(gdcm::DataSet& set, const gdcm::Tag& tag, const gdcm::VR& vr, std:
   set.Replace(element);
 }
 
-const gdcm::Tag kSeriesUid(0x0020, 0x000e), kPixels(0x7fe0, 0x0010);
+const gdcm::Tag kSeriesUid(0x0020, 0x000e), kPixels(0x7fe0, 0x0010), kSpacing(0x0028, 0x0030);
+const gdcm::Tag kPosition(0x0020, 0x0032), kOrientation(0x0020, 0x0037);
 
 /// Permissions count for the life of the object, even where root runs the tests.
 class AsNobody {
@@ -332,6 +334,234 @@ TEST(Dicom, EmptyOrForeignFileNamedAsASlice) {
   EXPECT_EQ(read_segmentation(folder).geometry.size[2], 6);
   write_text(folder + "/7_6", "");
   EXPECT_THAT(error_of(folder), HasSubstr("7_6: an empty file among the slices"));
+}
+
+/// Replaces an element of the decimal strings `text` in a slice.
+void set_decimals(const std::string& path, const gdcm::Tag& tag, const std::string& text) {
+  edit(path, [&](gdcm::DataSet& set) { set_text(set, tag, gdcm::VR::DS, text); });
+}
+
+TEST(Dicom, DisplacedWithinThePlane) {
+  for (const int k : {2, 5}) {
+    const Scratch scratch;
+    Geometry geometry = write_slices(scratch / "series");
+    geometry.origin[0] += 3 * geometry.direction[0];
+    geometry.origin[1] += 3 * geometry.direction[3];
+    const std::string name = "7_" + std::to_string((k * 5 + 3) % 6) + ".dcm";
+    geometry.origin[2] += 1.25 * k;
+    set_decimals(scratch / ("series/" + name), kPosition, decimals(geometry.origin));
+    EXPECT_THAT(error_of(scratch / "series"),
+                HasSubstr(name + ": this slice is displaced by 3 mm within its plane"));
+  }
+}
+
+TEST(Dicom, SlicesThatBendAway) {  // each by less than a tenth of the step
+  const Scratch scratch;
+  Geometry geometry = write_slices(scratch / "series");
+  for (int k = 0; k < 6; ++k) {
+    const std::string name = "series/7_" + std::to_string((k * 5 + 3) % 6) + ".dcm";
+    set_decimals(scratch / name, kPosition, decimals(geometry.origin));
+    geometry.origin[0] += k < 3 ? 0.1 : -0.1;
+    geometry.origin[2] += 1.25;
+  }
+  EXPECT_THAT(error_of(scratch / "series"), HasSubstr("mm within its plane"));
+}
+
+TEST(Dicom, PixelSpacingMissingOrZero) {
+  const Scratch scratch;
+  const std::string folder = scratch / "series", slice = folder + "/7_2.dcm";
+  write_slices(folder);
+  edit(slice, [](gdcm::DataSet& set) { set.Remove(kSpacing); });
+  EXPECT_THAT(error_of(folder), HasSubstr("7_2.dcm: it has no PixelSpacing (0028,0030); add it"));
+  set_decimals(slice, gdcm::Tag(0x0018, 0x1164), "0.7\\0.7");
+  EXPECT_THAT(error_of(folder),
+              HasSubstr("7_2.dcm: it has no PixelSpacing (0028,0030), only Imager"));
+  set_decimals(slice, kSpacing, "0\\0.7");
+  EXPECT_THAT(error_of(folder),
+              HasSubstr("its PixelSpacing (0028,0030) is 0 x 0.7 mm; correct it"));
+}
+
+TEST(Dicom, PositionsMissingOrTheSame) {
+  const Scratch scratch;
+  const std::string folder = scratch / "series";
+  const Geometry geometry = write_slices(folder);
+  edit(folder + "/7_2.dcm", [](gdcm::DataSet& set) { set.Remove(kPosition); });
+  EXPECT_THAT(error_of(folder), HasSubstr("7_2.dcm: this slice has no position (ImagePosition"));
+  for (int k = 0; k < 6; ++k)
+    set_decimals(folder + "/7_" + std::to_string(k) + ".dcm", kPosition, decimals(geometry.origin));
+  EXPECT_THAT(error_of(folder), HasSubstr("its slices have no positions of their own"));
+  for (int k = 0; k < 5; ++k) std::filesystem::remove(folder + "/7_" + std::to_string(k) + ".dcm");
+  edit(folder + "/7_5.dcm", [](gdcm::DataSet& set) { set.Remove(kPosition); });
+  const Segmentation read = read_segmentation(folder);  // one slice lies anywhere
+  EXPECT_EQ(read.geometry.size[2], 1);
+  EXPECT_EQ(read.geometry.origin, (std::array<double, 3>{}));
+}
+
+TEST(Dicom, SliceThatIsThereTwice) {
+  const Scratch scratch;
+  write_slices(scratch / "series");
+  std::filesystem::copy(scratch / "series/7_2.dcm", scratch / "series/copy.dcm");
+  EXPECT_THAT(error_of(scratch / "series"),
+              ::testing::AllOf(HasSubstr("copy.dcm: this slice lies where that of "),
+                               HasSubstr("7_2.dcm lies; give one volume, with every slice once")));
+}
+
+TEST(Dicom, OrientationThatIsNone) {
+  const Scratch scratch;
+  write_slices(scratch / "series");
+  set_decimals(scratch / "series/7_2.dcm", kOrientation, "1\\0\\0\\0.2\\1\\0");
+  EXPECT_THAT(error_of(scratch / "series"),
+              HasSubstr("7_2.dcm: this slice has an ImageOrientationPatient that is not two"));
+}
+
+TEST(Dicom, SlicesThatDiffer) {
+  const Scratch scratch;
+  write_slices(scratch / "series");
+  set_decimals(scratch / "series/7_2.dcm", kSpacing, "0.7\\0.8");
+  EXPECT_THAT(
+      error_of(scratch / "series"),
+      HasSubstr("7_2.dcm: this slice differs in size, spacing or orientation from the first"));
+}
+
+/// A sequence of `items` as an element of `set`.
+void set_items(gdcm::DataSet& set, const gdcm::Tag& tag, const std::vector<gdcm::DataSet>& items) {
+  gdcm::SmartPointer<gdcm::SequenceOfItems> sequence = new gdcm::SequenceOfItems;
+  sequence->SetLengthToUndefined();
+  for (const gdcm::DataSet& nested : items) {
+    gdcm::Item item;
+    item.SetVLToUndefined();
+    item.SetNestedDataSet(nested);
+    sequence->AddItem(item);
+  }
+  gdcm::DataElement element(tag);
+  element.SetVR(gdcm::VR::SQ);
+  element.SetValue(*sequence);
+  element.SetVLToUndefined();
+  set.Replace(element);
+}
+
+gdcm::DataSet one_decimals(const gdcm::Tag& tag, const std::string& text) {
+  gdcm::DataSet set;
+  set_text(set, tag, gdcm::VR::DS, text);
+  return set;
+}
+
+/// What a file of several frames holds.
+struct Frames {
+  Geometry geometry = series_geometry(false);
+  std::vector<std::int16_t> pixels = random_pixels(geometry, 1);
+  std::vector<std::array<double, 3>> positions = {};  ///< of each frame
+  std::vector<std::uint16_t> segments = {};           ///< none, or of each frame
+};
+
+/// Frame k of the file is slice order[k].
+Frames frames_in_order(const std::vector<int>& order) {
+  Frames frames;
+  const auto pixels = frames.pixels;
+  frames.pixels.clear();
+  for (const int k : order) {
+    auto position = frames.geometry.origin;
+    position[2] += 1.25 * k;
+    frames.positions.push_back(position);
+    frames.pixels.insert(frames.pixels.end(), pixels.begin() + 357 * k,
+                         pixels.begin() + 357 * (k + 1));
+  }
+  return frames;
+}
+
+gdcm::DataSet groups_of_frame(const Frames& frames, std::size_t k) {
+  gdcm::DataSet groups;
+  set_items(groups, gdcm::Tag(0x0020, 0x9113),
+            {one_decimals(kPosition, decimals(frames.positions[k]))});
+  if (frames.segments.empty()) return groups;
+  gdcm::DataElement number(gdcm::Tag(0x0062, 0x000b));
+  number.SetVR(gdcm::VR::US);
+  number.SetByteValue(reinterpret_cast<const char*>(&frames.segments[k]), 2);
+  gdcm::DataSet segment;
+  segment.Insert(number);
+  set_items(groups, gdcm::Tag(0x0062, 0x000a), {segment});
+  return groups;
+}
+
+/// Writes one file of several frames into `folder`.
+void write_frames(const std::string& folder, const Frames& frames) {
+  Geometry slice = frames.geometry;
+  slice.size[2] = 1;
+  write_series(folder, slice, random_pixels(slice, 1), "7");
+  edit(folder + "/7_0.dcm", [&](gdcm::DataSet& set) {
+    const auto take = [&](const gdcm::Tag& tag) {
+      gdcm::DataSet one;
+      one.Insert(set.GetDataElement(tag));
+      set.Remove(tag);
+      return one;
+    };
+    gdcm::DataSet shared;
+    set_items(shared, gdcm::Tag(0x0020, 0x9116), {take(kOrientation)});
+    set_items(shared, gdcm::Tag(0x0028, 0x9110), {take(kSpacing)});
+    set_items(set, gdcm::Tag(0x5200, 0x9229), {shared});
+    std::vector<gdcm::DataSet> groups;
+    for (std::size_t k = 0; k < frames.positions.size(); ++k)
+      groups.push_back(groups_of_frame(frames, k));
+    if (!groups.empty()) set_items(set, gdcm::Tag(0x5200, 0x9230), groups);
+    set.Remove(kPosition);
+    set_text(set, gdcm::Tag(0x0028, 0x0008), gdcm::VR::IS,
+             std::to_string(frames.pixels.size() / 357));
+    gdcm::DataElement pixels(kPixels);
+    pixels.SetVR(gdcm::VR::OW);
+    pixels.SetByteValue(reinterpret_cast<const char*>(frames.pixels.data()),
+                        static_cast<std::uint32_t>(2 * frames.pixels.size()));
+    set.Replace(pixels);
+  });
+}
+
+TEST(Dicom, FramesInAnyOrderArePlaced) {
+  const Geometry geometry = series_geometry(false);
+  const auto pixels = random_pixels(geometry, 1);
+  for (const std::vector<int>& order :
+       {std::vector<int>{0, 1, 2, 3, 4, 5}, {5, 4, 3, 2, 1, 0}, {3, 0, 5, 1, 4, 2}}) {
+    const Scratch scratch;
+    write_frames(scratch / "series", frames_in_order(order));
+    const Segmentation read = read_segmentation(scratch / "series");
+    EXPECT_EQ(read.geometry.size, geometry.size);
+    for (std::size_t a = 0; a < 3; ++a) {
+      EXPECT_NEAR(read.geometry.spacing[a], geometry.spacing[a], 1e-6);
+      EXPECT_NEAR(read.geometry.origin[a], geometry.origin[a], 1e-6);
+    }
+    for (std::size_t i = 0; i < 9; ++i)
+      EXPECT_NEAR(read.geometry.direction[i], geometry.direction[i], 1e-6);
+    EXPECT_TRUE(std::equal(pixels.begin(), pixels.end(), read.voxels.begin(), read.voxels.end()));
+  }
+}
+
+TEST(Dicom, FramesThatCannotBePlaced) {
+  const Scratch scratch;
+  Frames frames = frames_in_order({0, 1, 2, 3, 4, 5});
+  frames.positions.clear();
+  write_frames(scratch / "none", frames);
+  EXPECT_THAT(error_of(scratch / "none"), HasSubstr("7_0.dcm: the positions of its 6 frames are "));
+  frames.positions.resize(4);
+  write_frames(scratch / "some", frames);
+  EXPECT_THAT(error_of(scratch / "some"), HasSubstr("holds 6 frames and describes 4"));
+  frames = frames_in_order({0, 1, 2, 3, 4, 5});
+  for (std::size_t k = 3; k < 6; ++k) frames.positions[k][2] += 5;
+  write_frames(scratch / "uneven", frames);
+  EXPECT_THAT(error_of(scratch / "uneven"),
+              HasSubstr("7_0.dcm: its frame 4 is 6.25 mm from the one before, others 1.25 mm"));
+  frames = frames_in_order({0, 1, 2, 3, 4, 5});
+  frames.positions[2][0] += 3;
+  write_frames(scratch / "jump", frames);
+  EXPECT_THAT(error_of(scratch / "jump"), HasSubstr("its frame 3 is displaced by 3 mm within"));
+  write_frames(scratch / "twice", frames_in_order({0, 1, 2, 3, 4, 2}));
+  EXPECT_THAT(error_of(scratch / "twice"), HasSubstr("its frame 6 lies where its frame 3 lies"));
+}
+
+TEST(Dicom, SeveralSegments) {
+  const Scratch scratch;
+  Frames frames = frames_in_order({0, 1, 2, 0, 1, 2});
+  frames.segments = {1, 1, 1, 2, 2, 2};
+  write_frames(scratch / "series", frames);
+  EXPECT_THAT(error_of(scratch / "series"),
+              HasSubstr("7_0.dcm: it holds 2 segments; export one segment alone"));
 }
 
 TEST(Dicom, TiltedGantryIsSheared) {

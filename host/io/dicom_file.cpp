@@ -10,10 +10,10 @@ namespace {
 
 using gdcm::Tag;
 
-const Tag kPixels(0x7fe0, 0x0010);
+const Tag kPixels(0x7fe0, 0x0010), kFloatPixels(0x7fe0, 0x0008), kDoublePixels(0x7fe0, 0x0009);
 constexpr char kDicomdir[] = "1.2.840.10008.1.3.10";  // the SOP class of media directories
 
-bool has_any_pixels(const gdcm::Reader& reader) {
+bool stands_at_pixels(const gdcm::Reader& reader) {
   // The stream stands at the pixels; past the end of a file without, or after what follows them.
   const auto position = static_cast<std::int64_t>(reader.GetStreamCurrentPosition());
   const gdcm::DataSet& set = reader.GetFile().GetDataSet();
@@ -39,8 +39,11 @@ DicomFile parsed(const std::string& path, const gdcm::Reader& reader) {
   file.is_directory = dicom_text(meta, Tag(0x0002, 0x0002)) == kDicomdir;
   const std::string image_type = dicom_text(set, Tag(0x0008, 0x0008));
   file.is_localizer = image_type.find("LOCALIZER") != std::string::npos;
-  file.has_pixels = has_any_pixels(reader);
+  file.has_float_pixels = set.FindDataElement(kFloatPixels) || set.FindDataElement(kDoublePixels);
+  file.has_pixels = file.has_float_pixels || stands_at_pixels(reader);
+  file.has_imager_spacing = set.FindDataElement(Tag(0x0018, 0x1164));
   read_size(set, file);
+  file.frames = dicom_frames(set, file.frame_count);
   const gdcm::TransferSyntax syntax = meta.GetDataSetTransferSyntax();
   file.is_raw =
       !syntax.IsEncapsulated() && syntax != gdcm::TransferSyntax::DeflatedExplicitVRLittleEndian;
