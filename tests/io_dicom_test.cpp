@@ -1,6 +1,7 @@
 /// \file
 /// DICOM series: how slices are ordered, placed and read.
 
+#include <gdcmTransferSyntax.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -69,6 +70,19 @@ TEST(Dicom, MissingSlice) {
   const std::string message = dicom_error_of(scratch / "series");
   EXPECT_THAT(message, HasSubstr("this slice is 2.5 mm from the one before, others 1.25 mm"));
   EXPECT_THAT(message, HasSubstr("every slice once"));
+}
+
+TEST(Dicom, DeflatedSlices) {
+  const Scratch scratch;
+  const Geometry geometry = write_slices(scratch / "series");
+  const auto pixels = random_pixels(geometry, 1);
+  for (int k = 0; k < 6; ++k)
+    edit_file(scratch / ("series/7_" + std::to_string(k) + ".dcm"), [](gdcm::File& file) {
+      file.GetHeader().SetDataSetTransferSyntax(
+          gdcm::TransferSyntax::DeflatedExplicitVRLittleEndian);
+    });
+  const Segmentation read = read_segmentation(scratch / "series");
+  EXPECT_TRUE(std::equal(pixels.begin(), pixels.end(), read.voxels.begin(), read.voxels.end()));
 }
 
 TEST(Dicom, DisplacedWithinThePlane) {

@@ -47,6 +47,7 @@ DicomFile parsed(const std::string& path, const gdcm::Reader& reader) {
   const gdcm::TransferSyntax syntax = meta.GetDataSetTransferSyntax();
   file.is_raw =
       !syntax.IsEncapsulated() && syntax != gdcm::TransferSyntax::DeflatedExplicitVRLittleEndian;
+  file.is_big_endian = syntax.GetSwapCode() == gdcm::SwapCode::BigEndian;
   file.pixels_begin = static_cast<std::int64_t>(reader.GetStreamCurrentPosition());
   return file;
 }

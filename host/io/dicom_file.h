@@ -22,7 +22,8 @@ struct DicomFile {
   std::int64_t columns = 0, rows = 0, frame_count = 1;
   std::int64_t samples = 1;         ///< a pixel
   std::int64_t bits_allocated = 0;  ///< a sample
-  bool is_raw = false;             ///< the pixels lie in the file as they are, little-endian or big
+  bool is_raw = false;              ///< the pixels lie in the file as they are
+  bool is_big_endian = false;
   std::int64_t pixels_begin = 0;   ///< where, if they are raw
   std::vector<DicomFrame> frames;  ///< those that are described
 };

@@ -107,7 +107,6 @@ void edit_file(const std::string& path, const std::function<void(gdcm::File&)>& 
   ASSERT_TRUE(reader.Read());
   change(reader.GetFile());
   gdcm::Writer writer;
-  writer.CheckFileMetaInformationOff();
   writer.SetFile(reader.GetFile());
   writer.SetFileName(path.c_str());
   ASSERT_TRUE(writer.Write());
@@ -213,7 +212,8 @@ void write_frames(const std::string& folder, const DicomFrames& frames) {
     if (!groups.empty()) set_items(set, gdcm::Tag(0x5200, 0x9230), groups);
     set.Remove(kPosition);
     set_text(set, gdcm::Tag(0x0028, 0x0008), gdcm::VR::IS,
-             std::to_string(frames.pixels.size() / 357));
+             std::to_string(frames.pixels.size() /
+                            static_cast<std::size_t>(slice.size[0] * slice.size[1])));
     gdcm::DataElement pixels(kPixels);
     pixels.SetVR(gdcm::VR::OW);
     pixels.SetByteValue(reinterpret_cast<const char*>(frames.pixels.data()),

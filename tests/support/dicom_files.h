@@ -55,7 +55,7 @@ void set_unsigned(gdcm::DataSet& set, const gdcm::Tag& tag, std::uint16_t value)
 /// Sets an element of decimal strings in a file.
 void set_decimals(const std::string& path, const gdcm::Tag& tag, const std::string& text);
 
-/// What a file of several frames holds: each of 21 x 17 pixels.
+/// What a file of several frames holds, each as large as the geometry says.
 struct DicomFrames {
   Geometry geometry = series_geometry(false);
   std::vector<std::int16_t> pixels = random_pixels(geometry, 1);
