@@ -44,6 +44,16 @@ TEST(DicomFolder, SeveralSeriesAreNamed) {
   EXPECT_THAT(message, HasSubstr("a folder of its own"));
 }
 
+TEST(DicomFolder, ErrorsAreOneLine) {
+  const Scratch scratch;
+  write_slices(scratch / "series");
+  edit(scratch / "series/7_2.dcm", [](gdcm::DataSet& set) {
+    set_text(set, kSeriesUid, gdcm::VR::UI, std::string("1.\n2\0003", 6));
+  });
+  EXPECT_THAT(dicom_error_of(scratch / "series"),
+              HasSubstr("2 DICOM series (1.2.826.0.1.3680043.2.7, 1.?2)"));
+}
+
 TEST(DicomFolder, TruncatedSlice) {
   const Scratch scratch;
   const Geometry geometry = series_geometry(false);
@@ -129,6 +139,9 @@ TEST(DicomFolder, SliceWithoutPixels) {
   edit(scratch / "series/7_4.dcm", [](gdcm::DataSet& set) { set.Remove(kPixels); });
   EXPECT_THAT(dicom_error_of(scratch / "series"),
               HasSubstr("7_4.dcm: it belongs to the series but holds"));
+  for (int k = 0; k < 6; ++k)
+    if (k != 4) std::filesystem::remove(scratch / ("series/7_" + std::to_string(k) + ".dcm"));
+  EXPECT_THAT(dicom_error_of(scratch / "series"), HasSubstr("7_4.dcm: it holds no pixels"));
 }
 
 TEST(DicomFolder, EmptyOrForeignFileNamedAsASlice) {

@@ -151,6 +151,12 @@ std::vector<DicomFile> dicom_series(const std::string& folder,
     (file.has_pixels ? series[file.series] : others).push_back(std::move(file));
   }
   leave_localizers(series);
+  if (series.empty() && !others.empty())
+    throw_bad_input(others.front().path,
+                    others.size() == 1
+                        ? "it holds no pixels"
+                        : "neither it nor the folder's other DICOM files hold pixels",
+                    "give a folder with a DICOM series of images");
   if (series.empty())
     throw_bad_input(folder, "a folder without a DICOM series", "give a file, or such a folder");
   if (series.size() > 1) throw_several(folder, series);

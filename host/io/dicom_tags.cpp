@@ -3,6 +3,8 @@
 #include <gdcmByteValue.h>
 #include <gdcmSequenceOfItems.h>
 
+#include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <cstring>
@@ -16,7 +18,7 @@ const gdcm::ByteValue* bytes_of(const gdcm::DataSet& set, const gdcm::Tag& tag) 
 }
 
 std::string_view stripped(std::string_view text) {
-  constexpr std::string_view kPadding(" \0\t\r\n", 5);
+  constexpr std::string_view kPadding(" \t\r\n");
   const std::size_t begin = text.find_first_not_of(kPadding);
   if (begin == std::string_view::npos) return {};
   return text.substr(begin, text.find_last_not_of(kPadding) + 1 - begin);
@@ -37,7 +39,11 @@ std::optional<double> number_of(std::string_view text) {
 std::string dicom_text(const gdcm::DataSet& set, const gdcm::Tag& tag) {
   const gdcm::ByteValue* const bytes = bytes_of(set, tag);
   if (!bytes || !bytes->GetPointer()) return {};
-  return std::string(stripped({bytes->GetPointer(), bytes->GetLength()}));
+  const std::string_view whole(bytes->GetPointer(), bytes->GetLength());
+  std::string text(stripped(whole.substr(0, whole.find('\0'))));
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char c) { return std::iscntrl(c) != 0; }, '?');
+  return text;
 }
 
 std::vector<double> dicom_numbers(const gdcm::DataSet& set, const gdcm::Tag& tag) {

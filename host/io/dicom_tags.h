@@ -12,7 +12,8 @@
 
 namespace vasamesh {
 
-/// The text, without the blanks and zeros round it; empty where the element is absent or empty.
+/// The text up to the first zero, without the blanks round it, of one line; empty where the element
+/// is absent or empty.
 std::string dicom_text(const gdcm::DataSet& set, const gdcm::Tag& tag);
 
 /// The decimal numbers, as many as there are; none where one of them is no finite number.
