@@ -5,6 +5,7 @@
 
 #include <csignal>
 #include <cstdlib>
+#include <new>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -58,6 +59,20 @@ TEST(Trial, MemoryIsBounded) {
   };
   EXPECT_TRUE(survives(kBytes, [&] { take(kBytes / 2); }));
   EXPECT_FALSE(survives(kBytes, [&] { take(2 * kBytes); }));
+}
+
+TEST(Trial, MemoryThatTheProcessLacksIsNoFault) {
+  const auto take = [] { EXPECT_EQ(std::vector<char>(2 * kBytes).back(), 0); };
+  const auto try_more_than_there_is = [&] {
+    EXPECT_LT(memory_left(), 2 * kBytes);
+    try {
+      survives(4 * kBytes, take);
+    } catch (const std::bad_alloc&) {
+      return;
+    }
+    std::abort();
+  };
+  EXPECT_TRUE(survives(kBytes, try_more_than_there_is));
 }
 #endif
 

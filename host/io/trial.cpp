@@ -12,6 +12,8 @@
 #include <csignal>
 #include <fstream>
 #include <iterator>
+#include <limits>
+#include <new>
 #include <string>
 
 #include "vasamesh/errors.h"
@@ -20,7 +22,7 @@ namespace vasamesh {
 namespace {
 
 // A library, or a sanitizer, may end the copy by itself, with 0 or 1.
-enum ExitStatus { kReturned = 90, kThrewError = 91, kThrewOther = 92 };
+enum ExitStatus { kReturned = 90, kThrewError = 91, kThrewOther = 92, kNoMemory = 93 };
 
 constexpr int kInterrupts[] = {SIGINT, SIGTERM, SIGHUP};
 
@@ -71,6 +73,8 @@ void silence() {
     const std::string text = static_cast<char>(error.code()) + std::string(error.what());
     const ssize_t written = write(pipe, text.data(), text.size());
     _exit(written == static_cast<ssize_t>(text.size()) ? kThrewError : kThrewOther);
+  } catch (const std::bad_alloc&) {
+    _exit(kNoMemory);
   } catch (...) {
     _exit(kThrewOther);
   }
@@ -89,6 +93,13 @@ std::string read_all(int pipe) {
 }
 
 }  // namespace
+
+std::int64_t memory_left() {
+  rlimit memory{};
+  if (getrlimit(RLIMIT_AS, &memory) != 0 || memory.rlim_cur == RLIM_INFINITY)
+    return std::numeric_limits<std::int64_t>::max();
+  return static_cast<std::int64_t>(memory.rlim_cur) - address_space();
+}
 
 bool survives(std::int64_t most_bytes, const std::function<void()>& work) {
   int ends[2];
@@ -111,6 +122,7 @@ bool survives(std::int64_t most_bytes, const std::function<void()>& work) {
     throw Error(static_cast<ErrorCode>(static_cast<unsigned char>(message.front())),
                 message.substr(1));
   }
+  if (WEXITSTATUS(status) == kNoMemory && memory_left() < most_bytes) throw std::bad_alloc();
   return WEXITSTATUS(status) == kReturned;
 }
 

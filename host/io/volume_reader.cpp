@@ -1,8 +1,5 @@
 #include "io/volume_reader.h"
 
-#include <fmt/format.h>
-#include <unistd.h>
-
 #include <bit>
 #include <filesystem>
 #include <memory>
@@ -14,6 +11,7 @@
 #include "io/file_ending.h"
 #include "io/io_error.h"
 #include "io/itk_header.h"
+#include "io/memory_limit.h"
 #include "io/quiet.h"
 #include "io/selection.h"
 #include "io/volume_formats.h"
@@ -21,9 +19,9 @@
 namespace vasamesh {
 namespace {
 
-Volume open_volume(const std::string& path) {
+Volume open_volume(const std::string& path, const ReadOptions& options) {
   std::error_code error;
-  if (std::filesystem::is_directory(path, error)) return open_dicom_series(path);
+  if (std::filesystem::is_directory(path, error)) return open_dicom_series(path, options);
   file_size(path);
   const std::string ending = file_ending(path, {".nii", ".nii.gz", ".mha", ".mhd", ".nrrd"});
   if (ending == ".nii" || ending == ".nii.gz") return open_nifti(path);
@@ -31,18 +29,6 @@ Volume open_volume(const std::string& path) {
   if (ending == ".nrrd") return open_nrrd(path);
   throw_bad_input(path, "unknown format of a volume",
                   "give .nii, .nii.gz, .mha, .mhd, .nrrd or a folder with a DICOM series");
-}
-
-std::int64_t machine_memory() {
-  return static_cast<std::int64_t>(sysconf(_SC_PHYS_PAGES)) * sysconf(_SC_PAGESIZE);
-}
-
-void check_memory(const std::string& path, std::int64_t bytes, const ReadOptions& options) {
-  const std::int64_t limit = options.max_memory > 0 ? options.max_memory : machine_memory();
-  if (bytes <= limit) return;
-  throw_refused(
-      path, fmt::format("it needs {} bytes of memory, {} are allowed", bytes, limit),
-      options.max_memory > 0 ? "raise --max-memory or crop the volume" : "crop the volume");
 }
 
 /// Pixels that come to an end when they are told to.
@@ -72,7 +58,7 @@ std::int64_t bytes_of(const std::array<std::int64_t, 3>& size, VoxelFormat forma
 
 /// \param format  what the caller will hold, for the limit of memory.
 PackedSegmentation read(const std::string& path, const ReadOptions& options, VoxelFormat format) {
-  Volume volume = open_volume(path);
+  Volume volume = open_volume(path, options);
   voxel_count(path, volume.geometry);
   check_geometry(path, volume.geometry);
   const auto& size = volume.geometry.size;

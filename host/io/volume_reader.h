@@ -52,9 +52,11 @@ struct PackedSegmentation {
 ///         pixels, spacing outside 1e-6 to 1e4 mm or of a ratio above 100, a unit of length that is
 ///         unknown or not the same along all axes, sheared direction, NaN,
 ///         infinite values without a threshold, no or several candidates for the object, an absent
-///         label, nothing selected, a folder that is not exactly one DICOM series.
+///         label, nothing selected, a folder that is not exactly one DICOM series, or one with a
+///         file that may be a slice and cannot be read, or with slices that do not lie evenly.
 /// \throws Error usage, when more than one way of selection is asked for.
-/// \throws Error refused, when the volume needs more memory than allowed.
+/// \throws Error refused, when the volume, or the voxels of one DICOM file as they are stored, need
+///         more memory than allowed.
 /// \throws Error cancelled, at most some milliseconds after `cancel` was set, but for the time that
 ///         ITK takes to read a DICOM series.
 Segmentation read_segmentation(const std::string& path, const ReadOptions& options = {});

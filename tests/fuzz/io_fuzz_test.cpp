@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <itkGDCMImageIO.h>
 #include <itkImageFileWriter.h>
+#include <itkMetaDataObject.h>
 #include <sys/resource.h>
 
 #include <filesystem>
@@ -158,6 +159,7 @@ TEST(DicomFuzz, IsReadOrRefused) {
   slice->SetRegions(Slice::SizeType{{7, 5}});
   slice->Allocate();
   slice->FillBuffer(1);
+  itk::EncapsulateMetaData<std::string>(slice->GetMetaDataDictionary(), "0008|0060", "CT");
   auto writer = itk::ImageFileWriter<Slice>::New();
   writer->SetImageIO(itk::GDCMImageIO::New());
   writer->SetFileName(path);
