@@ -4,15 +4,17 @@ namespace vasamesh {
 
 namespace {
 
-constexpr std::size_t kLeastOfAPoint = 350, kMostOfAPoint = 2000;
+constexpr std::size_t kLeastOfAPoint = 10 * sizeof(float), kMostOfAPoint = 2000;
+constexpr std::size_t kLeastOfABrick = kBrickCells * sizeof(std::uint32_t);
 constexpr std::size_t kMostOfAWord = 6 * sizeof(std::uint64_t);
 
 }  // namespace
 
-BytePlan plan_bytes(const BitView& object, std::size_t points) {
+BytePlan plan_bytes(const BitView& object, const PointCloud& points) {
   const std::size_t words = object.word_count();
-  return {sizeof(std::uint64_t) * words + kLeastOfAPoint * points,
-          kMostOfAWord * words + kMostOfAPoint * points};
+  return {sizeof(std::uint64_t) * words + kLeastOfAPoint * points.count +
+              kLeastOfABrick * points.bricks.count,
+          kMostOfAWord * words + kMostOfAPoint * points.count};
 }
 
 }  // namespace vasamesh

@@ -5,6 +5,7 @@
 
 #include <cstddef>
 
+#include "types/point_cloud.h"
 #include "types/volume.h"
 
 namespace vasamesh {
@@ -14,9 +15,10 @@ struct BytePlan {
   std::size_t least = 0, most = 0;
 };
 
-/// The bit-packed volume stays until the field is solved for, and every sample brings its share of
-/// octree, lattice and surface: 450 to 1140 bytes on fifteen phantoms of more than a thousand
-/// samples, by how far apart these lie.
-BytePlan plan_bytes(const BitView& object, std::size_t points);
+/// The bit-packed volume and the samples stay until the field is solved for. Every sample brings its
+/// share of octree, lattice and surface: 450 to 1140 bytes on fifteen phantoms of more than a
+/// thousand samples, by how far apart these lie, and 200 where each voxel has many. (Of voxels that
+/// lie alone it is up to 11,000, so that the most is no bound for specks and nothing else.)
+BytePlan plan_bytes(const BitView& object, const PointCloud& points);
 
 }  // namespace vasamesh

@@ -126,7 +126,7 @@ PointCloud oriented_points(const BitVolume& object, const Scale& scale,
   report.points = static_cast<std::int64_t>(points.count);
   report.thin_points = static_cast<std::int64_t>(points.thin_count);
 
-  const BytePlan plan = plan_bytes(object.view(), points.count);
+  const BytePlan plan = plan_bytes(object.view(), points);
   scheduler.check_memory(plan);
   report.bytes_planned = static_cast<std::int64_t>(plan.most);
 

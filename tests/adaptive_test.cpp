@@ -19,6 +19,7 @@
 #include "support/cases.h"
 #include "support/dense_volume.h"
 #include "support/invariants.h"
+#include "types/mesh_vertex.h"
 #include "types/vec3.h"
 #include "vasamesh/errors.h"
 #include "vasamesh/host.h"
@@ -269,6 +270,46 @@ TEST(Adaptive, PiecesThatTouchKeepTheirSize) {
         EXPECT_LT(report.quality.volume, 0.7);
       }
     }
+}
+
+/// Of the shells whose triangles begin where a test holds.
+template <class Test>
+double volume_where(const TriangleMesh& mesh, const Test& test) {
+  double sum = 0;
+  for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
+    const std::uint32_t* v = &mesh.triangles[3 * t];
+    const Vec3 a = vertex_at(mesh, v[0]), b = vertex_at(mesh, v[1]), c = vertex_at(mesh, v[2]);
+    if (test(a)) sum += dot(a, cross(b, c)) / 6;
+  }
+  return sum;
+}
+
+/// Marching cubes gives a line half its voxels' volume, a speck and a cavity a sixth.
+TEST(Adaptive, PartsOfAVoxelKeepTheirSizeBesideThickOnes) {
+  for (const int gap : {1, 2, 3, 4}) {
+    SCOPED_TRACE(gap);
+    DenseVolume volume({24, 16, 32});
+    const int line = 11 + gap, speck = line + 1 + gap;
+    volume.box({4, 3, 3}, {19, 12, 10}).box({6, 7, line}, {17, 7, line});
+    volume.at(11, 7, speck) = 1;
+    volume.at(11, 7, 6) = 0;
+    const Result result = convert_adaptively(volume.view());
+    expect_proven(result, volume.view());
+    const auto volume_at = [&](int height) {
+      return volume_where(result.mesh, [height](const Vec3& p) {
+        return std::abs(p.z - static_cast<float>(height)) < 0.9f;
+      });
+    };
+    EXPECT_GT(volume_at(line), 0.4 * 12);
+    EXPECT_LT(volume_at(line), 1.2 * 12);
+    EXPECT_GT(volume_at(speck), 0.1);
+    EXPECT_LT(volume_at(speck), 1);
+    const double cavity = volume_where(result.mesh, [](const Vec3& p) {
+      return squared_norm(p - Vec3{11, 7, 6}) < 1;
+    });
+    EXPECT_LT(cavity, -0.05);
+    EXPECT_GT(cavity, -1);
+  }
 }
 
 TEST(Adaptive, ImpossibleNumbersOfTrianglesAreRefusedWithAPossibleOne) {
