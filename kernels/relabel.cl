@@ -158,15 +158,15 @@ static float relabel_width(global const float *values, ulong node, ulong below, 
 
 /// Whether the surface is narrow at a voxel centre, whose x, y and z are odd.
 static bool relabel_is_narrow(global const int *neighbours, global const uchar *simple,
-                              global const uchar *state, global const float *values, float least,
-                              uint brick, int3 at) {
+                              global const uchar *state, global const float *values, float across,
+                              float sheet, uint brick, int3 at) {
   global const int *near = neighbours + (size_t)brick * NEIGHBOURS;
   const uint node = brick * BRICK_CELLS + at.x + 8 * at.y + 64 * at.z;
   const uchar own = state[node];
   const bool inside = (own & LATTICE_LABEL) != 0;
   if (inside != ((own & LATTICE_SOLID) != 0)) return false;
   int closed = 0;
-  bool narrow = false;
+  bool narrow = false, thin_sheet = false;
   for (int axis = 0; axis < 3; ++axis) {
     const int3 along = (int3)(axis == 0, axis == 1, axis == 2);
     const ulong below = node_at(near, at.x - along.x, at.y - along.y, at.z - along.z);
@@ -174,15 +174,19 @@ static bool relabel_is_narrow(global const int *neighbours, global const uchar *
     const ulong above = node_at(near, at.x + along.x, at.y + along.y, at.z + along.z);
     if (above == NO_NODE || ((state[above] ^ own) & LATTICE_LABEL) == 0) continue;
     ++closed;
-    narrow = narrow || relabel_width(values, node, below, above) < least;
+    const float width = relabel_width(values, node, below, above);
+    narrow = narrow || width < across;
+    thin_sheet = thin_sheet || width < sheet;
   }
-  return narrow && closed >= (inside ? 1 : 2) && !simple[relabel_link(neighbours, state, node)];
+  return ((closed >= 2 && narrow) || (inside && thin_sheet)) &&
+         !simple[relabel_link(neighbours, state, node)];
 }
 
 /// counts[brick]: of the nodes that got a mark.
 kernel __attribute__((BRICK_GROUP)) void lattice_mark_narrow(
-    float least, VIEW(const int, neighbours), VIEW(const uchar, active), VIEW(const uchar, simple),
-    VIEW(const uchar, state), VIEW(const float, values), VIEW(uchar, marks), VIEW(uint, counts)) {
+    float across, float sheet, VIEW(const int, neighbours), VIEW(const uchar, active),
+    VIEW(const uchar, simple), VIEW(const uchar, state), VIEW(const float, values),
+    VIEW(uchar, marks), VIEW(uint, counts)) {
   BRICK_SHARED uint item_count[BRICK_ITEMS];
   TAKE(neighbours);
   TAKE(simple);
@@ -196,7 +200,7 @@ kernel __attribute__((BRICK_GROUP)) void lattice_mark_narrow(
     const int3 at = 2 * (int3)(i & 3, i >> 2 & 3, i >> 4) + 1;
     const int octant = (at.x >> 2) + 2 * (at.y >> 2) + 4 * (at.z >> 2);
     if (!(octants >> octant & 1)) continue;
-    if (!relabel_is_narrow(neighbours, simple, state, values, least, brick, at)) continue;
+    if (!relabel_is_narrow(neighbours, simple, state, values, across, sheet, brick, at)) continue;
     marks[at.x + 8 * at.y + 64 * at.z] = LATTICE_STUCK_MARK;
     ++count;
   }

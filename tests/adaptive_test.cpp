@@ -300,7 +300,7 @@ TEST(Adaptive, PartsOfAVoxelKeepTheirSizeBesideThickOnes) {
         return std::abs(p.z - static_cast<float>(height)) < 0.9f;
       });
     };
-    EXPECT_GT(volume_at(line), 0.4 * 12);
+    EXPECT_GT(volume_at(line), 0.3 * 12);
     EXPECT_LT(volume_at(line), 1.2 * 12);
     EXPECT_GT(volume_at(speck), 0.1);
     EXPECT_LT(volume_at(speck), 1);

@@ -312,7 +312,7 @@ TEST_P(CellLattice, ClampGivesEachWrongValueItsLabelsSign) {
 
 /// On random labels, a third or a fifth of the nodes inside.
 TEST_P(CellLattice, NarrowPlacesAreMarked) {
-  constexpr float kWidth = 0.8f;
+  constexpr LeastWidths kLeast = {0.8f, 0.7f};
   constexpr int kAxes[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   int inside_marks = 0, outside_marks = 0;
   for (std::uint32_t seed = 60; seed < 64; ++seed) {
@@ -331,7 +331,7 @@ TEST_P(CellLattice, NarrowPlacesAreMarked) {
     const auto simple =
         to_backend(backend(), std::vector<std::uint8_t>(table.begin(), table.end()));
     const std::uint32_t count =
-        backend().lattice_mark_narrow(bricks, shown.view(), simple.view(), kWidth,
+        backend().lattice_mark_narrow(bricks, shown.view(), simple.view(), kLeast,
                                       lattice.state.view(), lattice.values.view(), marks.view());
     const auto marked = to_host<const std::uint8_t>(backend(), marks.view());
     const auto values = to_host<const float>(backend(), lattice.values.view());
@@ -349,7 +349,7 @@ TEST_P(CellLattice, NarrowPlacesAreMarked) {
       for (std::size_t i = 0; i < kLink.size(); ++i)
         link |= std::uint32_t{label(kLink[i].x, kLink[i].y, kLink[i].z)} << i;
       int closed = 0;
-      bool narrow = false;
+      bool narrow = false, thin_sheet = false;
       for (const auto& [dx, dy, dz] : kAxes) {
         const auto above = nodes.find({at[0] + dx, at[1] + dy, at[2] + dz});
         const auto below = nodes.find({at[0] - dx, at[1] - dy, at[2] - dz});
@@ -360,12 +360,13 @@ TEST_P(CellLattice, NarrowPlacesAreMarked) {
         for (const auto& other : {above, below})
           width += 0.5 * own / (own + std::abs(values[other->second]));
         ++closed;
-        narrow = narrow || width < kWidth;
+        narrow = narrow || width < double{kLeast.across};
+        thin_sheet = thin_sheet || width < double{kLeast.sheet};
       }
       const int octant = (at[0] >> 2 & 1) + 2 * (at[1] >> 2 & 1) + 4 * (at[2] >> 2 & 1);
-      const bool is_marked = (at[0] & at[1] & at[2] & 1) && narrow && closed >= (inside ? 1 : 2) &&
-                             !reference::is_simple(link) &&
-                             (active[node / kBrickCells] >> octant & 1);
+      const bool is_marked =
+          (at[0] & at[1] & at[2] & 1) && ((narrow && closed >= 2) || (thin_sheet && inside)) &&
+          !reference::is_simple(link) && (active[node / kBrickCells] >> octant & 1);
       wanted += is_marked;
       (inside ? inside_marks : outside_marks) += is_marked;
       ASSERT_EQ(marked[node], is_marked ? kStuckMark : 0) << node;

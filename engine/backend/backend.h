@@ -319,12 +319,14 @@ class Backend : public Memory {
 
   /// Marks, as stuck, voxel centres in active octants where what the labels keep is narrow: the
   /// label is the solid's, its flip would change the topology (simple[], as of relabel_sweep), and
-  /// along one axis (two for nodes outside) both neighbours have the other label, and for one such
-  /// axis (own / (own + below) + own / (own + above)) / 2 < `least_width`, of the absolute values.
-  /// That is the width in voxels. \return how many.
+  /// along two axes or more both neighbours have the other label, and for one of these
+  /// (own / (own + below) + own / (own + above)) / 2 < `least.across`, of the absolute values: the
+  /// width in voxels. Of nodes inside also where that is so along one axis, with `least.sheet`.
+  /// \return how many.
   virtual std::uint32_t lattice_mark_narrow(const BrickView& bricks,
                                             View<const std::uint8_t> active,
-                                            View<const std::uint8_t> simple, float least_width,
+                                            View<const std::uint8_t> simple,
+                                            const LeastWidths& least,
                                             View<const std::uint8_t> state,
                                             View<const float> values, View<std::uint8_t> marks) = 0;
 

@@ -31,9 +31,10 @@ constexpr std::array<Repair, 8> kRepairs = {{{2, 0.5f, true},
                                              {3, 1, false},
                                              {4, 1, false}}};
 
-/// Voxels: narrower than that, vessels and cavities are led back. A line of voxels has 1 along the
-/// axes across it, where its area is that of marching cubes, half a voxel's.
-constexpr float kLeastWidth = 0.8f;
+/// A line of voxels that has 1 along the axes across it has the area of marching cubes, half a
+/// voxel's. Sheets, of which thick slices are full, are left thinner: led back, they are too rough
+/// for the front.
+constexpr LeastWidths kLeastWidths = {.across = 0.8f, .sheet = 0.6f};
 
 /// What a node gets whose value's sign is not its label at the end.
 constexpr float kLeastValue = 0.02f;
@@ -98,7 +99,7 @@ class Relabelling {
     for (const Pending& pending : pending_)
       backend_.relabel_mark(listed(pending), kStuckMark, marks);
     return far + backend_.lattice_mark_narrow(lattice_.bricks.view(), active_view_.view(),
-                                              simple_.view(), kLeastWidth, lattice_.state.view(),
+                                              simple_.view(), kLeastWidths, lattice_.state.view(),
                                               lattice_.values.view(), marks);
   }
 

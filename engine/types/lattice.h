@@ -31,6 +31,12 @@ enum LatticeMark : std::uint8_t {
   kStuckMark = 2,  ///< its flip would change the topology, and is wanted or all but
 };
 
+/// Voxels: what is narrower is led back to the segmentation (lattice_mark_narrow).
+struct LeastWidths {
+  float across;  ///< lines and specks
+  float sheet;   ///< what is closed along one axis alone
+};
+
 /// An offset between nodes.
 struct NodeOffset {
   std::int8_t x, y, z;

@@ -48,14 +48,12 @@ void OpenClBackend::relabel_mark(View<const std::uint32_t> nodes, std::uint8_t m
          nodes, marks);
 }
 
-std::uint32_t OpenClBackend::lattice_mark_narrow(const BrickView& bricks,
-                                                 View<const std::uint8_t> active,
-                                                 View<const std::uint8_t> simple, float least_width,
-                                                 View<const std::uint8_t> state,
-                                                 View<const float> values,
-                                                 View<std::uint8_t> marks) {
-  launch("lattice_mark_narrow", bricks.count, shape_.brick_items, least_width, bricks.neighbours,
-         active, simple, state, values, marks, counts_of(bricks.count));
+std::uint32_t OpenClBackend::lattice_mark_narrow(
+    const BrickView& bricks, View<const std::uint8_t> active, View<const std::uint8_t> simple,
+    const LeastWidths& least, View<const std::uint8_t> state, View<const float> values,
+    View<std::uint8_t> marks) {
+  launch("lattice_mark_narrow", bricks.count, shape_.brick_items, least.across, least.sheet,
+         bricks.neighbours, active, simple, state, values, marks, counts_of(bricks.count));
   return sum_of_counts();
 }
 

@@ -63,7 +63,7 @@ struct NarrowTest {
   const std::uint8_t* simple;
   const std::uint8_t* state;
   const float* values;
-  float least_width;
+  LeastWidths least;
 
   /// \param x, y, z  of a voxel centre in the brick: all odd.
   bool holds(std::size_t brick, int x, int y, int z) const {
@@ -73,16 +73,18 @@ struct NarrowTest {
     if (inside != ((own & kSolid) != 0)) return false;
     const std::int32_t* near = bricks.neighbours.data() + 27 * brick;
     int closed = 0;
-    bool narrow = false;
+    bool is_narrow = false, is_thin_sheet = false;
     for (const NodeOffset& along : {kLink[0], kLink[1], kLink[3]}) {
       const std::size_t below = node_at(near, x - along.x, y - along.y, z - along.z);
       if (((state[below] ^ own) & kLabel) == 0) continue;
       const std::size_t above = node_at(near, x + along.x, y + along.y, z + along.z);
       if (above == kNoNode || ((state[above] ^ own) & kLabel) == 0) continue;
       ++closed;
-      narrow |= width(node, below, above) < least_width;
+      is_narrow |= width(node, below, above) < least.across;
+      is_thin_sheet |= width(node, below, above) < least.sheet;
     }
-    return narrow && closed >= (inside ? 1 : 2) && !simple[link_labels(bricks, state, node)];
+    return ((closed >= 2 && is_narrow) || (inside && is_thin_sheet)) &&
+           !simple[link_labels(bricks, state, node)];
   }
 
   float width(std::size_t node, std::size_t below, std::size_t above) const {
@@ -272,10 +274,11 @@ void TbbBackend::relabel_mark(View<const std::uint32_t> nodes, std::uint8_t mark
 
 std::uint32_t TbbBackend::lattice_mark_narrow(const BrickView& bricks,
                                               View<const std::uint8_t> active,
-                                              View<const std::uint8_t> simple, float least_width,
+                                              View<const std::uint8_t> simple,
+                                              const LeastWidths& least,
                                               View<const std::uint8_t> state,
                                               View<const float> values, View<std::uint8_t> marks) {
-  const NarrowTest test{bricks, simple.data(), state.data(), values.data(), least_width};
+  const NarrowTest test{bricks, simple.data(), state.data(), values.data(), least};
   std::atomic<std::uint32_t> total{0};
   for_each(bricks.count, kGrain, [&](std::size_t brick) {
     std::uint32_t count = 0;

@@ -112,7 +112,7 @@ class TbbBackend final : public Backend {
   void relabel_mark(View<const std::uint32_t> nodes, std::uint8_t mark,
                     View<std::uint8_t> marks) override;
   std::uint32_t lattice_mark_narrow(const BrickView& bricks, View<const std::uint8_t> active,
-                                    View<const std::uint8_t> simple, float least_width,
+                                    View<const std::uint8_t> simple, const LeastWidths& least,
                                     View<const std::uint8_t> state, View<const float> values,
                                     View<std::uint8_t> marks) override;
   std::uint32_t lattice_mark_far(const BrickView& bricks, View<const std::uint8_t> active,
