@@ -274,7 +274,8 @@ void Repair::relax(float wanted) {
 }  // namespace
 
 std::uint32_t repair(PatchMesh& mesh, const RemeshGoal& goal, float wanted, int passes) {
-  constexpr int kPassesBetween = 4;  // relaxations
+  constexpr int kPassesBetween = 4;        // relaxations
+  constexpr std::uint32_t kUnasked = 128;  // triangles between two checkpoints
   // A byte a triangle: whether it has changed since it was found good, or is not.
   std::vector<std::uint8_t> fresh(mesh.half_edge_end() / 4, 1);
   std::optional<Repair> work;
@@ -289,6 +290,7 @@ std::uint32_t repair(PatchMesh& mesh, const RemeshGoal& goal, float wanted, int 
       ++left;
       worst = std::min(worst, quality);
       if (pass == passes) continue;
+      if (goal.backend && left % kUnasked == 0) goal.backend->checkpoint();
       if (!work) work.emplace(mesh, goal, fresh);
       work->repair_triangle(t);
     }

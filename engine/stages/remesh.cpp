@@ -33,7 +33,9 @@ void run_rounds(Backend& backend, const RemeshGoal& goal, int rounds, int repair
     const std::vector<PatchMesh*> parts = blocks.parts();
     for_each_part(backend, parts, [&](PatchMesh& part) {
       split_long_edges(part, goal, kLongest);
+      backend.checkpoint();  // parts of many small shells are large
       collapse_short_edges(part, kShortest, kLongest);
+      backend.checkpoint();
       flip_to_valence(part, 3);
     });
     relaxer.smooth(parts, 2);
@@ -47,8 +49,11 @@ void run_rounds(Backend& backend, const RemeshGoal& goal, int rounds, int repair
 WorkingSurface remesh_base(Backend& backend, const RemeshGoal& goal, const TriangleMesh& mesh) {
   WorkingSurface surface = make_working_surface(backend, goal, mesh);
   fix_places(goal, surface);
-  for_each_block(backend, {kFineBlock, 0.5f}, surface, [](PatchMesh& part) {
-    for (float shortest : kCoarsening) collapse_short_edges(part, shortest, kLongest);
+  for_each_block(backend, {kFineBlock, 0.5f}, surface, [&](PatchMesh& part) {
+    for (float shortest : kCoarsening) {
+      collapse_short_edges(part, shortest, kLongest);
+      backend.checkpoint();
+    }
   });
   run_rounds(backend, goal, kRounds, kRepairedRounds, surface);
   return surface;
@@ -59,7 +64,7 @@ WorkingSurface remesh_base(Backend& backend, const RemeshGoal& goal, const Trian
 TriangleMesh remesh(Backend& backend, const FieldView& field, const SizeView& sizes,
                     const TriangleMesh& mesh, std::span<const CarefulPlace> places) {
   const Places careful(places);
-  const RemeshGoal goal = {field, sizes, &careful, false};
+  const RemeshGoal goal = {field, sizes, &careful, false, &backend};
   WorkingSurface surface = remesh_base(backend, goal, mesh);
   finish(backend, goal, surface);
   return make_mesh(backend, surface);
@@ -68,13 +73,13 @@ TriangleMesh remesh(Backend& backend, const FieldView& field, const SizeView& si
 TriangleMesh remesh_patches(Backend& backend, const FieldView& field, const SizeView& sizes,
                             const TriangleMesh& mesh, std::span<const CarefulPlace> places) {
   const Places careful(places);
-  return make_mesh(backend, remesh_base(backend, {field, sizes, &careful, false}, mesh));
+  return make_mesh(backend, remesh_base(backend, {field, sizes, &careful, false, &backend}, mesh));
 }
 
 TriangleMesh remesh_places(Backend& backend, const FieldView& field, const SizeView& sizes,
                            const TriangleMesh& mesh, std::span<const CarefulPlace> places) {
   const Places careful(places);
-  const RemeshGoal goal = {field, sizes, &careful, true};
+  const RemeshGoal goal = {field, sizes, &careful, true, &backend};
   WorkingSurface surface = make_working_surface(backend, goal, mesh);
   run_rounds(backend, goal, kPlaceRounds, kRepairedRounds, surface);
   finish(backend, goal, surface);
