@@ -5,7 +5,6 @@
 
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 
 #include "backend/backend.h"
 #include "device_choice.h"
@@ -22,16 +21,6 @@ namespace vasamesh {
 namespace {
 
 constexpr char kDeviceVariable[] = "VASAMESH_DEVICE";
-
-/// The processor's name as the kernel states it, else "CPU".
-std::string processor_name() {
-  std::ifstream info("/proc/cpuinfo");
-  for (std::string line; std::getline(info, line);) {
-    const std::size_t colon = line.find(": ");
-    if (line.starts_with("model name") && colon != std::string::npos) return line.substr(colon + 2);
-  }
-  return "CPU";
-}
 
 DeviceInfo describe_cpu() {
   DeviceInfo info;

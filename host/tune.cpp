@@ -48,7 +48,7 @@ std::string words(const WorkShape& shape) {
 }
 
 /// A processor with some threads, by name.
-std::string name_of(const Backend& host) { return list_devices()[0].name + ", " + host.device(); }
+std::string name_of(const Backend& host) { return processor_name() + ", " + host.device(); }
 
 /// A device against oneTBB on one volume.
 class Tuner {

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "io/io_error.h"
+#include "median.h"
 
 namespace vasamesh {
 namespace {
@@ -134,12 +135,6 @@ void check_same_plane(const Plane& first, const Plane& plane) {
   if (same) return;
   throw_plane(plane, "differs in size, spacing or orientation from the first, " + first.file->path,
               "keep one series of parallel slices in the folder");
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 /// Between slices that do not lie in one place; 0 where all do.

@@ -10,6 +10,8 @@
 #include <cstring>
 #include <string_view>
 
+#include "io/text_words.h"
+
 namespace vasamesh {
 namespace {
 
@@ -17,16 +19,8 @@ const gdcm::ByteValue* bytes_of(const gdcm::DataSet& set, const gdcm::Tag& tag) 
   return set.FindDataElement(tag) ? set.GetDataElement(tag).GetByteValue() : nullptr;
 }
 
-std::string_view stripped(std::string_view text) {
-  constexpr std::string_view kPadding(" \t\r\n");
-  const std::size_t begin = text.find_first_not_of(kPadding);
-  if (begin == std::string_view::npos) return {};
-  return text.substr(begin, text.find_last_not_of(kPadding) + 1 - begin);
-}
-
 std::optional<double> number_of(std::string_view text) {
-  text = stripped(text);
-  if (text.starts_with('+')) text.remove_prefix(1);
+  text = without_plus(trimmed(text));
   double number = 0;
   const char* const end = text.data() + text.size();
   const auto [stop, error] = std::from_chars(text.data(), end, number);
@@ -40,7 +34,7 @@ std::string dicom_text(const gdcm::DataSet& set, const gdcm::Tag& tag) {
   const gdcm::ByteValue* const bytes = bytes_of(set, tag);
   if (!bytes || !bytes->GetPointer()) return {};
   const std::string_view whole(bytes->GetPointer(), bytes->GetLength());
-  std::string text(stripped(whole.substr(0, whole.find('\0'))));
+  std::string text(trimmed(whole.substr(0, whole.find('\0'))));
   std::replace_if(
       text.begin(), text.end(), [](unsigned char c) { return std::iscntrl(c) != 0; }, '?');
   return text;

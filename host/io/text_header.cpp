@@ -6,19 +6,13 @@
 
 #include "io/byte_stream.h"
 #include "io/io_error.h"
+#include "io/text_words.h"
 #include "lower_case.h"
 
 namespace vasamesh {
 namespace {
 
 constexpr std::size_t kMostHeaderBytes = std::size_t{1} << 20;
-
-std::string trimmed(std::string_view text) {
-  const char* blanks = " \t\r";
-  const std::size_t first = text.find_first_not_of(blanks);
-  if (first == std::string_view::npos) return {};
-  return std::string(text.substr(first, text.find_last_not_of(blanks) - first + 1));
-}
 
 bool is_metadata(std::string_view line, std::size_t split, const TextHeaderFormat& format) {
   return !format.metadata.empty() && line.substr(split).starts_with(format.metadata);
@@ -52,13 +46,13 @@ TextHeader read_text_header(const std::string& path, const TextHeaderFormat& for
   TextHeader header;
   std::size_t begin = 0;
   for (std::size_t end; (end = text.find('\n', begin)) != std::string::npos; begin = end + 1) {
-    const std::string line = trimmed(std::string_view(text).substr(begin, end - begin));
+    const std::string_view line = trimmed(std::string_view(text).substr(begin, end - begin));
     const std::size_t split = line.find_first_of(format.separators);
     const bool has_key = split != std::string::npos && !is_metadata(line, split, format);
-    const std::string key = has_key ? trimmed(line.substr(0, split)) : std::string();
-    if (has_key) header.fields[key] = trimmed(line.substr(split + 1));
+    const std::string key = has_key ? std::string(trimmed(line.substr(0, split))) : "";
+    if (has_key) header.fields[key] = std::string(trimmed(line.substr(split + 1)));
     header.end = static_cast<std::int64_t>(end) + 1;
-    if (format.last(key, line)) return header;
+    if (format.last(key, std::string(line))) return header;
   }
   throw_bad_input(path, "its header does not end", "get a whole copy of the file");
 }

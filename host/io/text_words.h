@@ -1,7 +1,7 @@
 #pragma once
 
 /// \file
-/// Words and numbers of surfaces that are text.
+/// Words and numbers of files that are text.
 
 #include <algorithm>
 #include <charconv>
@@ -17,6 +17,14 @@ namespace vasamesh {
 inline std::string_view without_mark(std::string_view text) {
   constexpr std::string_view kMark = "\xef\xbb\xbf";
   return text.starts_with(kMark) ? text.substr(kMark.size()) : text;
+}
+
+/// Without the blanks and line ends round it.
+inline std::string_view trimmed(std::string_view text) {
+  constexpr const char* kBlanks = " \t\r\n";
+  const std::size_t first = text.find_first_not_of(kBlanks);
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
 }
 
 /// Takes the next word off the front of `text`; empty at the end.

@@ -11,6 +11,7 @@
 #include "backend/backend.h"
 #include "device_choice.h"
 #include "measure/machine.h"
+#include "median.h"
 #include "tbb/backend.h"
 #include "vasamesh/errors.h"
 #include "vasamesh/pipeline.h"
@@ -26,12 +27,6 @@ using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 std::vector<int> usual_threads() {

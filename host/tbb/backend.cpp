@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
+#include <fstream>
 #include <new>
 #include <string>
 #include <thread>
@@ -39,6 +40,15 @@ int arena_threads(int asked) {
 }  // namespace
 
 int processor_count() { return std::max(1, static_cast<int>(std::thread::hardware_concurrency())); }
+
+std::string processor_name() {
+  std::ifstream info("/proc/cpuinfo");
+  for (std::string line; std::getline(info, line);) {
+    const std::size_t colon = line.find(": ");
+    if (line.starts_with("model name") && colon != std::string::npos) return line.substr(colon + 2);
+  }
+  return "CPU";
+}
 
 int capped_threads(int asked) {
   constexpr int kPerProcessor = 4;

@@ -6,6 +6,7 @@
 
 #include <atomic>
 #include <memory>
+#include <string>
 
 #include "backend/backend.h"
 
@@ -13,6 +14,9 @@ namespace vasamesh {
 
 /// Of the machine, at least 1.
 int processor_count();
+
+/// The processor's name as the kernel states it, else "CPU".
+std::string processor_name();
 
 /// How many threads are started where `asked` are wanted: at most four for each processor, since
 /// more would only wait for each other.

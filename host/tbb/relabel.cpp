@@ -80,8 +80,9 @@ struct NarrowTest {
       const std::size_t above = node_at(near, x + along.x, y + along.y, z + along.z);
       if (above == kNoNode || ((state[above] ^ own) & kLabel) == 0) continue;
       ++closed;
-      is_narrow |= width(node, below, above) < least.across;
-      is_thin_sheet |= width(node, below, above) < least.sheet;
+      const float across = width(node, below, above);
+      is_narrow |= across < least.across;
+      is_thin_sheet |= across < least.sheet;
     }
     return ((closed >= 2 && is_narrow) || (inside && is_thin_sheet)) &&
            !simple[link_labels(bricks, state, node)];
