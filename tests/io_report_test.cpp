@@ -32,6 +32,8 @@ Report full_report() {
   report.check.wanted = {1, 2, 3};
   report.check.shell_genus = {2};
   report.quality.least_angle.percentile_5 = 31.5;
+  report.quality.dihedral_angle.minimum = 58.5;
+  report.quality.sharp_edges = 12;
   return report;
 }
 
@@ -53,6 +55,8 @@ TEST(ReportJson, ValuesStandUnderTheirNames) {
   EXPECT_EQ(json["relabel"]["stuck_first"], 9);
   EXPECT_EQ(json["check"]["wanted"]["cavities"], 3);
   EXPECT_EQ(json["quality"]["least_angle"]["percentile_5"], 31.5);
+  EXPECT_EQ(json["quality"]["dihedral_angle"]["minimum"], 58.5);
+  EXPECT_EQ(json["quality"]["sharp_edges"], 12);
   EXPECT_TRUE(to_json(Report{})["check"]["wanted"].is_null());
 }
 

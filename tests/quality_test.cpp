@@ -62,6 +62,34 @@ TEST(Quality, SizeRatioOfNeighbours) {
   EXPECT_DOUBLE_EQ(q.edges_within_15, 4.0 / 6);  // all pairs but 1 with 3 and sqrt 10
 }
 
+TEST(Quality, DihedralAnglesOfSolids) {
+  // Twelve edges of a cube, and the diagonals of its six faces.
+  const QualityReport cube = measure(box({0, 0, 0}, {1, 1, 1}));
+  EXPECT_NEAR(cube.dihedral_angle.minimum, 90, 1e-4);
+  EXPECT_NEAR(cube.dihedral_angle.mean, (12 * 90 + 6 * 180) / 18.0, 1e-4);
+  EXPECT_EQ(cube.sharp_edges, 0);
+  // It is the same from inside.
+  EXPECT_NEAR(measure(turned_inside_out(box({0, 0, 0}, {1, 1, 1}))).dihedral_angle.minimum, 90,
+              1e-4);
+  const QualityReport icosahedron = measure(sphere(1, 0));
+  EXPECT_NEAR(icosahedron.dihedral_angle.minimum, 138.1897, 1e-3);
+  EXPECT_NEAR(icosahedron.dihedral_angle.maximum, 138.1897, 1e-3);
+}
+
+TEST(Quality, SharpEdgesAreBelow60Degrees) {
+  // A roof of two triangles, its eaves 2 apart: 60 degrees are 1.732 up.
+  for (const float height : {0.0f, 1.7f, 1.8f, 10.0f}) {
+    TriangleMesh roof;
+    for (const Vertex& p : {Vertex{0, 0, 0}, {2, 0, 0}, {1, height, -1}, {1, height, 1}})
+      add_vertex(roof, p);
+    add_triangle(roof, 0, 1, 2);
+    add_triangle(roof, 1, 0, 3);
+    const QualityReport q = measure(roof);
+    EXPECT_EQ(q.sharp_edges, height > 1.732f ? 1 : 0) << height;
+    EXPECT_NEAR(q.dihedral_angle.mean, 2 * std::atan2(1.0, height) * 180 / std::numbers::pi, 1e-4);
+  }
+}
+
 TEST(Quality, DegenerateAndEmpty) {
   TriangleMesh mesh;
   add_vertex(mesh, {1, 1, 1});

@@ -22,6 +22,25 @@ struct VertexCorners {
 /// All indices must be below the number of vertices. \throws Error refused beyond 2^32 corners.
 VertexCorners vertex_corners(const TriangleMesh& mesh);
 
+/// visit(c, d) for each edge from vertex v up to a vertex of higher index, w, that two triangles
+/// share as those of a manifold do: v is corner c of the one that has v before w, and d of the
+/// other.
+template <class Visit>
+void for_each_shared_edge_up(const TriangleMesh& mesh, const VertexCorners& corners,
+                             std::uint32_t v, const Visit& visit) {
+  const auto round_v =
+      std::span(corners.corner).subspan(corners.first[v], corners.first[v + 1] - corners.first[v]);
+  for (const std::uint32_t c : round_v) {
+    const std::uint32_t w = mesh.triangles[c / 3 * 3 + (c + 1) % 3];
+    if (w <= v) continue;
+    for (const std::uint32_t d : round_v) {
+      if (mesh.triangles[d / 3 * 3 + (d + 2) % 3] != w || c / 3 == d / 3) continue;
+      visit(c, d);
+      break;
+    }
+  }
+}
+
 /// The lowest vertex that each vertex hangs together with by the chosen triangles (a byte a
 /// triangle; all, if there are none).
 std::vector<std::uint32_t> connect_vertices(Backend& backend, const TriangleMesh& mesh,

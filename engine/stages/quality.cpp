@@ -13,12 +13,26 @@ namespace vasamesh {
 
 namespace {
 
-constexpr std::size_t kChunk = 32768;  // triangles or vertices a task takes
-constexpr double kCloseRatio = 1.5;    // of two edges' lengths
+constexpr std::size_t kChunk = 8192;  // triangles or vertices a task takes
+constexpr double kCloseRatio = 1.5;   // of two edges' lengths
+constexpr float kSharp = 60;          // degrees: dihedral angles below it
 
 std::size_t chunks(std::size_t count) { return (count + kChunk - 1) / kChunk; }
 
 Vec3d vertex(const TriangleMesh& mesh, std::uint32_t v) { return widened(vertex_at(mesh, v)); }
+
+/// Normal to the triangle, as long as twice its area.
+Vec3d area_vector(const TriangleMesh& mesh, std::uint32_t triangle) {
+  const std::uint32_t* t = mesh.triangles.data() + 3 * std::size_t{triangle};
+  const Vec3d a = vertex(mesh, t[0]);
+  return cross(vertex(mesh, t[1]) - a, vertex(mesh, t[2]) - a);
+}
+
+/// Degrees.
+double angle_between(const Vec3d& a, const Vec3d& b) {
+  const Vec3d product = cross(a, b);
+  return std::atan2(std::sqrt(dot(product, product)), dot(a, b)) * 180 / std::numbers::pi;
+}
 
 struct Figures {
   double shortest, longest, mean_edge, least_angle, area, volume;
@@ -46,12 +60,11 @@ Figures figures_of(const TriangleMesh& mesh, std::size_t triangle, const Vec3d& 
   const int least = static_cast<int>(std::min_element(edge, edge + 3) - edge);
   const Vec3d a = p[(least + 1) % 3] - p[least], b = p[(least + 2) % 3] - p[least];
   const Vec3d normal = cross(a, b);
-  const double twice_area = std::sqrt(dot(normal, normal));
   return {edge[least],
           std::max({edge[0], edge[1], edge[2]}),
           (edge[0] + edge[1] + edge[2]) / 3,
-          std::atan2(twice_area, dot(a, b)) * 180 / std::numbers::pi,
-          0.5 * twice_area,
+          angle_between(a, b),
+          0.5 * std::sqrt(dot(normal, normal)),
           dot(p[least] - origin, normal) / 6,
           close_pairs(edge)};
 }
@@ -60,32 +73,33 @@ double fraction(std::size_t count, std::size_t of) {
   return of == 0 ? 0 : static_cast<double>(count) / static_cast<double>(of);
 }
 
-/// Ratios, at least 1, of the mean edges of two triangles that share an edge, each edge once.
-std::vector<float> size_ratios(Backend& backend, const TriangleMesh& mesh,
-                               const std::vector<float>& mean_edge) {
+/// Of the edges that two triangles share.
+struct EdgeFigures {
+  std::vector<float> size_ratio;  ///< longer / shorter mean edge of the two
+  std::vector<float> dihedral;    ///< the angle between them, degrees
+};
+
+EdgeFigures edge_figures(Backend& backend, const TriangleMesh& mesh,
+                         const std::vector<float>& mean_edge) {
   const VertexCorners corners = vertex_corners(mesh);
-  std::vector<std::vector<float>> parts(chunks(mesh.vertex_count()));
+  std::vector<EdgeFigures> parts(chunks(mesh.vertex_count()));
   backend.run(parts.size(), [&](std::size_t part) {
     const std::size_t end = std::min((part + 1) * kChunk, mesh.vertex_count());
-    for (std::size_t v = part * kChunk; v < end; ++v) {
-      const std::uint32_t first = corners.first[v], last = corners.first[v + 1];
-      for (std::uint32_t i = first; i < last; ++i) {
-        const std::uint32_t c = corners.corner[i];
-        const std::uint32_t next = mesh.triangles[c / 3 * 3 + (c + 1) % 3];
-        if (next <= v) continue;
-        for (std::uint32_t j = first; j < last; ++j) {
-          const std::uint32_t d = corners.corner[j];
-          if (mesh.triangles[d / 3 * 3 + (d + 2) % 3] != next || c / 3 == d / 3) continue;
-          const float a = mean_edge[c / 3], b = mean_edge[d / 3];
-          parts[part].push_back(a == b ? 1 : std::max(a, b) / std::min(a, b));
-          break;
-        }
-      }
-    }
+    for (std::size_t v = part * kChunk; v < end; ++v)
+      for_each_shared_edge_up(
+          mesh, corners, static_cast<std::uint32_t>(v), [&](std::uint32_t c, std::uint32_t d) {
+            const float a = mean_edge[c / 3], b = mean_edge[d / 3];
+            parts[part].size_ratio.push_back(a == b ? 1 : std::max(a, b) / std::min(a, b));
+            parts[part].dihedral.push_back(static_cast<float>(
+                180 - angle_between(area_vector(mesh, c / 3), area_vector(mesh, d / 3))));
+          });
   });
-  std::vector<float> ratios;
-  for (const auto& part : parts) ratios.insert(ratios.end(), part.begin(), part.end());
-  return ratios;
+  EdgeFigures all;
+  for (const EdgeFigures& part : parts) {
+    all.size_ratio.insert(all.size_ratio.end(), part.size_ratio.begin(), part.size_ratio.end());
+    all.dihedral.insert(all.dihedral.end(), part.dihedral.begin(), part.dihedral.end());
+  }
+  return all;
 }
 
 }  // namespace
@@ -185,11 +199,14 @@ QualityReport measure_quality(Backend& backend, const TriangleMesh& mesh) {
   report.edge_ratio_above_08 = share([](float tau) { return tau >= 0.8f; });
   report.edge_ratio_below_03 = share([](float tau) { return tau < 0.3f; });
   report.edge_ratio_below_01 = share([](float tau) { return tau < 0.1f; });
-  std::vector<float> ratios = size_ratios(backend, mesh, shapes.mean_edge);
-  backend.run(3, [&](std::size_t figure) {
+  EdgeFigures edges = edge_figures(backend, mesh, shapes.mean_edge);
+  report.sharp_edges = std::count_if(edges.dihedral.begin(), edges.dihedral.end(),
+                                     [](float angle) { return angle < kSharp; });
+  backend.run(4, [&](std::size_t figure) {
     if (figure == 0) report.edge_ratio = describe(shapes.edge_ratio);
     if (figure == 1) report.least_angle = describe(shapes.least_angle);
-    if (figure == 2) report.size_ratio = describe(ratios);
+    if (figure == 2) report.size_ratio = describe(edges.size_ratio);
+    if (figure == 3) report.dihedral_angle = describe(edges.dihedral);
   });
   return report;
 }

@@ -2,7 +2,7 @@
 
 /// \file
 /// The quality of a surface's triangles: the edge ratio tau (shortest / longest edge), the least
-/// angle, and how fast the size changes from one triangle to the next.
+/// angle, the angles between triangles, and how fast the size changes from one to the next.
 
 #include <cstdint>
 #include <vector>
@@ -14,7 +14,8 @@
 namespace vasamesh {
 
 /// Figures of a surface whose vertices are finite. Percentiles are exact (nearest rank); a figure
-/// of no triangles is 0. The size ratio is taken over the edges that two triangles share.
+/// of no triangles is 0. Size ratios and dihedral angles are taken over the edges that two
+/// triangles share.
 QualityReport measure_quality(Backend& backend, const TriangleMesh& mesh);
 
 /// The shapes one by one; an entry a triangle.

@@ -157,6 +157,8 @@ void print_check(const std::string& surface, const CheckReport& check,
              100 * quality.edge_ratio_below_01);
   print_distribution("least angle, degrees", quality.least_angle);
   print_distribution("size ratio of neighbours", quality.size_ratio);
+  print_distribution("dihedral angle, degrees", quality.dihedral_angle);
+  print_row("edges below 60 degrees", quality.sharp_edges);
   fmt::print("  {:<28}{:.6g} mm^2\n", "area", quality.area);
   fmt::print("  {:<28}{:.6g} mm^3\n", "volume", quality.volume);
 }

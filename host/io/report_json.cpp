@@ -157,6 +157,8 @@ Json to_json(const QualityReport& quality) {
   out["edges_within_15"] = quality.edges_within_15;
   out["least_angle"] = to_json(quality.least_angle);
   out["size_ratio"] = to_json(quality.size_ratio);
+  out["dihedral_angle"] = to_json(quality.dihedral_angle);
+  out["sharp_edges"] = quality.sharp_edges;
   out["area"] = quality.area;
   out["volume"] = quality.volume;
   return out;

@@ -117,6 +117,9 @@ struct QualityReport {
   double edges_within_15 = 0;    ///< fraction of the pairs of a triangle's edges, longer / shorter
                                  ///< at most 1.5; every such pair shares a vertex
   Distribution size_ratio;       ///< longer / shorter mean edge of two triangles that share an edge
+  Distribution dihedral_angle;   ///< degrees, between two triangles that share an edge, on the side
+                                 ///< where it is less: 180 where they lie in one plane
+  std::int64_t sharp_edges = 0;  ///< edges with a dihedral angle below 60 degrees
   double area = 0;               ///< mm^2
   double volume = 0;             ///< mm^3, signed: positive when outward
 };
