@@ -14,7 +14,7 @@ namespace {
 
 constexpr float kWanted = 1.05f * kSine20;  // a little more than is asked for
 constexpr float kGain = 1.01f;              // the least by which a squared sine must grow
-constexpr float kFirstStep = 0.3f, kLastStep = 0.01f;  // of the mean edge round a vertex
+constexpr float kLastStep = 0.01f;          // of the mean edge round a vertex
 
 /// The least squared sine of the triangles round v with `point` in its place; -1 where one of them
 /// turns by 90 degrees or more.
@@ -26,15 +26,6 @@ float fan_sine(const PatchMesh& mesh, std::uint32_t v, const SurfacePoint& point
     least = std::min(least, turned ? -1 : least_sine(point, b, c));
   });
   return least;
-}
-
-float mean_edge(const PatchMesh& mesh, std::uint32_t v) {
-  float sum = 0, count = 0;
-  mesh.for_each_out(v, [&](std::uint32_t h) {
-    sum += norm(mesh.points[mesh.target(h)].position - mesh.points[v].position);
-    ++count;
-  });
-  return sum / count;
 }
 
 struct Widening {
@@ -50,25 +41,16 @@ struct Widening {
     return std::min(least_sine(d, c, p), least_sine(c, d, q)) > kGain * before;
   }
 
-  /// Search in all directions for the place of v with the widest least angle round it.
+  /// The place of v with the widest least angle round it.
   std::optional<SurfacePoint> better_place(const PatchMesh& mesh, std::uint32_t v) const {
-    SurfacePoint best = mesh.points[v];
-    const float before = fan_sine(mesh, v, best), edge = mean_edge(mesh, v);
+    const float before = fan_sine(mesh, v, mesh.points[v]);
     float widest = before;
-    for (float step = kFirstStep; step > kLastStep;) {
-      const Vec3 from = best.position;
-      for (int i = 0; i < 27; ++i) {
-        const Vec3 way = {static_cast<float>(i % 3 - 1), static_cast<float>(i / 3 % 3 - 1),
-                          static_cast<float>(i / 9 - 1)};
-        SurfacePoint point = best;
-        point.position = from + (step * edge) * way;
-        const float sine = fan_sine(mesh, v, point);
-        if (!(sine > kGain * widest && sine > widest)) continue;
-        widest = sine;
-        best = point;
-      }
-      if (best.position == from) step *= 0.5f;
-    }
+    SurfacePoint best = search_around(mesh, v, kLastStep, [&](const SurfacePoint& point) {
+      const float sine = fan_sine(mesh, v, point);
+      if (!(sine > kGain * widest && sine > widest)) return false;
+      widest = sine;
+      return true;
+    });
     if (!(widest > before)) return std::nullopt;
     best.on_field = false;
     return best;

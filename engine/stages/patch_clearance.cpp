@@ -28,10 +28,6 @@ bool meet(const PatchMesh& mesh, const Clearance::Corners& a, const Clearance::C
   return triangles_intersect(named(a, at), named(b, at + 3));
 }
 
-Clearance::Corners corners_of(const PatchMesh& mesh, std::uint32_t face) {
-  return {mesh.origin(4 * face), mesh.origin(4 * face + 1), mesh.origin(4 * face + 2)};
-}
-
 }  // namespace
 
 Clearance::Box::Box(const PatchMesh& mesh, const Corners& t) : low(place(mesh, t[0])), high(low) {
@@ -57,7 +53,7 @@ void Clearance::take_up_all(const PatchMesh& mesh, const Wanted& wanted) {
   for (std::uint32_t h = 0; h < mesh.half_edge_end(); h += 4) {
     if (!mesh.is_edge(h) || !wanted(h)) continue;
     chosen.push_back(h);
-    sum += Box(mesh, corners_of(mesh, h / 4)).half_side();
+    sum += Box(mesh, mesh.corners(h)).half_side();
   }
   if (sum > 0) inverse_side_ = static_cast<float>(chosen.size()) / (kSide * sum);
   head_.assign(std::bit_ceil(chosen.size() + 1), PatchMesh::kNone);
@@ -78,7 +74,7 @@ Clearance::Clearance(const PatchMesh& mesh, std::span<const std::uint8_t> wanted
 
 void Clearance::take_up(const PatchMesh& mesh, std::uint32_t h) {
   const std::uint32_t index = h / 4;
-  const Box box(mesh, corners_of(mesh, index));
+  const Box box(mesh, mesh.corners(4 * index));
   shells_.take_up(mesh, h);
   if (index >= faces_.size()) faces_.resize(mesh.half_edge_end() / 4);
   Face& face = faces_[index];
@@ -100,7 +96,7 @@ void Clearance::consider(const PatchMesh& mesh, std::uint32_t index, const Box& 
   Face& face = faces_[index];
   if (face.seen == stamp_ || !face.box.meets(around)) return;
   face.seen = stamp_;
-  if (mesh.is_edge(4 * index)) candidates_.push_back({corners_of(mesh, index), face.box});
+  if (mesh.is_edge(4 * index)) candidates_.push_back({mesh.corners(4 * index), face.box});
 }
 
 /// The triangles of the part, but those of the half-edges `gone`, whose boxes meet another. Forgets

@@ -10,7 +10,6 @@
 /// detection of deformable objects, 2003.
 
 #include <algorithm>
-#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -22,7 +21,7 @@ namespace vasamesh {
 
 class Clearance {
  public:
-  using Corners = std::array<std::uint32_t, 3>;
+  using Corners = PatchMesh::Corners;
 
   /// Takes up all triangles of the part.
   explicit Clearance(const PatchMesh& mesh);

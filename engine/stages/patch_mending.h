@@ -31,6 +31,38 @@ inline bool turns(const Vec3& before, const Vec3& after, float least) {
            cosine * cosine >= least * least * squared_norm(before) * squared_norm(after));
 }
 
+inline float mean_edge(const PatchMesh& mesh, std::uint32_t v) {
+  float sum = 0, count = 0;
+  mesh.for_each_out(v, [&](std::uint32_t h) {
+    sum += norm(mesh.points[mesh.target(h)].position - mesh.points[v].position);
+    ++count;
+  });
+  return sum / count;
+}
+
+/// Search in all directions from the whole vertex v: takes(place) says whether a place is better
+/// than all before it. Steps of 0.3 to `last_step` of the mean edge round v.
+/// \return the best place.
+template <class Takes>
+SurfacePoint search_around(const PatchMesh& mesh, std::uint32_t v, float last_step,
+                           const Takes& takes) {
+  constexpr float kFirstStep = 0.3f;
+  SurfacePoint best = mesh.points[v];
+  const float edge = mean_edge(mesh, v);
+  for (float step = kFirstStep; step > last_step;) {
+    const Vec3 from = best.position;
+    for (int i = 0; i < 27; ++i) {
+      const Vec3 way = {static_cast<float>(i % 3 - 1), static_cast<float>(i / 3 % 3 - 1),
+                        static_cast<float>(i / 9 - 1)};
+      SurfacePoint point = best;
+      point.position = from + (step * edge) * way;
+      if (takes(point)) best = point;
+    }
+    if (best.position == from) step *= 0.5f;
+  }
+  return best;
+}
+
 template <class Rule>
 bool may_turn_edge(const PatchMesh& mesh, const Rule& rule, std::uint32_t h) {
   const std::uint32_t t = mesh.twin(h);

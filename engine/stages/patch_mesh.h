@@ -11,6 +11,7 @@
 /// Botsch, Kobbelt: A remeshing approach to multiresolution modeling, 2004; the link condition:
 /// Dey, Edelsbrunner, Guha, Nekhayev: Topology preserving edge contraction, 1999.
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -20,6 +21,9 @@ namespace vasamesh {
 
 class PatchMesh {
  public:
+  /// The vertices of a triangle, counter-clockwise from outside.
+  using Corners = std::array<std::uint32_t, 3>;
+
   static constexpr std::uint32_t kNone = 0xffffffffu;
   static constexpr int kLeastLoop = 6;  ///< edges that a collapse leaves in a loop of border edges
   static constexpr int kLeastFan = 4;   ///< triangles that a collapse leaves round an inner vertex
@@ -47,6 +51,8 @@ class PatchMesh {
   std::uint32_t target(std::uint32_t h) const { return origin_[next(h)]; }
   std::uint32_t apex(std::uint32_t h) const { return origin_[previous(h)]; }
   std::uint32_t twin(std::uint32_t h) const { return twin_[h]; }
+  /// Of its triangle, from its origin on.
+  Corners corners(std::uint32_t h) const { return {origin(h), target(h), apex(h)}; }
 
   bool is_there(std::uint32_t v) const { return edge_[v] != kNone; }
   bool is_whole(std::uint32_t v) const { return whole_[v] != 0; }

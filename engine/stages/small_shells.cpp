@@ -14,10 +14,6 @@ namespace {
 constexpr double kLeastShare = 0.5;   // of the volume at first
 constexpr double kLeastBulge = 0.06;  // volume over area^1.5 of an open one; half a ball: 0.13
 
-SmallShells::Corners corners_of(const PatchMesh& mesh, std::uint32_t h) {
-  return {mesh.origin(h), mesh.target(h), mesh.apex(h)};
-}
-
 /// Of the tetrahedron from `origin` over a triangle.
 double six_volumes(const PatchMesh& mesh, const Vec3& origin,
                    const SmallShells::Corners& triangle) {
@@ -56,7 +52,7 @@ SmallShells::SmallShells(const PatchMesh& mesh)
   for (Shell& shell : found) {
     if (!is_small(mesh, shell)) continue;
     for (const std::uint32_t h : shell.faces)
-      for (const std::uint32_t v : corners_of(mesh, h))
+      for (const std::uint32_t v : mesh.corners(h))
         shell_of_[v] = static_cast<std::uint32_t>(shells_.size());
     shells_.push_back(std::move(shell));
   }
@@ -68,7 +64,7 @@ bool SmallShells::is_small(const PatchMesh& mesh, Shell& shell) const {
   bool closed = true;
   double area = 0;
   for (const std::uint32_t h : shell.faces) {
-    const Corners t = corners_of(mesh, h);
+    const Corners t = mesh.corners(h);
     const Vec3& a = mesh.points[t[0]].position;
     area +=
         0.5 * double{norm(cross(mesh.points[t[1]].position - a, mesh.points[t[2]].position - a))};
@@ -87,7 +83,7 @@ void SmallShells::take_up(const PatchMesh& mesh, std::uint32_t h) {
   const std::uint32_t first = h & ~3u;
   if (first < end_) return;
   end_ = first + 4;
-  const Corners corners = corners_of(mesh, first);
+  const Corners corners = mesh.corners(first);
   const auto known = [&](std::uint32_t v) { return v < shell_of_.size(); };
   const auto old = std::find_if(corners.begin(), corners.end(), known);
   const std::uint32_t shell = shell_of_[*old];
@@ -102,7 +98,7 @@ void SmallShells::take_up(const PatchMesh& mesh, std::uint32_t h) {
 double SmallShells::volume(const PatchMesh& mesh, const Shell& shell) const {
   double sum = 0;
   for (const std::uint32_t h : shell.faces)
-    if (mesh.is_edge(h)) sum += six_volumes(mesh, shell.origin, corners_of(mesh, h));
+    if (mesh.is_edge(h)) sum += six_volumes(mesh, shell.origin, mesh.corners(h));
   return sum / 6;
 }
 
@@ -112,7 +108,7 @@ bool SmallShells::keep_volume(const PatchMesh& mesh, std::span<const std::uint32
   if (number == kNone) return true;
   const Shell& shell = shells_[number];
   double change = 0;
-  for (const std::uint32_t h : gone) change -= six_volumes(mesh, shell.origin, corners_of(mesh, h));
+  for (const std::uint32_t h : gone) change -= six_volumes(mesh, shell.origin, mesh.corners(h));
   for (const Corners& triangle : made) change += six_volumes(mesh, shell.origin, triangle);
   return (volume(mesh, shell) + change / 6) / shell.volume >= kLeastShare;
 }

@@ -4,7 +4,6 @@
 /// Shells of a few triangles, which operations could turn inside out: unlike a larger one, such a
 /// shell has no triangles that would meet others on the way.
 
-#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -19,7 +18,7 @@ namespace vasamesh {
 /// and triangles, but join no two and divide none.
 class SmallShells {
  public:
-  using Corners = std::array<std::uint32_t, 3>;  ///< of a triangle, counter-clockwise from outside
+  using Corners = PatchMesh::Corners;
 
   static constexpr std::uint32_t kMost = 96;  ///< triangles
 
