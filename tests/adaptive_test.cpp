@@ -73,6 +73,7 @@ TEST_P(Phantoms, ProvenAndWellShaped) {
   EXPECT_GE(quality.edge_ratio_above_08, want.share);
   EXPECT_GE(quality.least_angle.minimum, want.least_angle);
   EXPECT_GE(quality.least_angle.percentile_5, want.percentile_5);
+  EXPECT_EQ(quality.sharp_edges, 0);
   const double cubes =
       static_cast<double>(marching_cubes({phantom.geometry, phantom.voxels}).triangle_count());
   EXPECT_LE(static_cast<double>(result.mesh.triangle_count()), want.count * cubes);

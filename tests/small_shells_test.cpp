@@ -8,28 +8,11 @@
 #include <algorithm>
 
 #include "stages/patch_clearance.h"
+#include "support/patches.h"
 #include "support/shapes.h"
 
 namespace vasamesh::test {
 namespace {
-
-/// \param whole  whether a vertex at that place is.
-template <class Whole>
-PatchMesh patch_of(const TriangleMesh& mesh, const Whole& whole) {
-  std::vector<SurfacePoint> points(mesh.vertex_count());
-  std::vector<std::uint8_t> flags;
-  for (std::size_t v = 0; v < points.size(); ++v) {
-    points[v].position = {mesh.vertices[3 * v], mesh.vertices[3 * v + 1], mesh.vertices[3 * v + 2]};
-    flags.push_back(whole(points[v].position));
-  }
-  PatchMesh patch;
-  patch.build(std::move(points), mesh.triangles, std::move(flags));
-  return patch;
-}
-
-PatchMesh patch_of(const TriangleMesh& mesh) {
-  return patch_of(mesh, [](const Vec3&) { return true; });
-}
 
 /// A ball of 42 vertices and 80 triangles.
 TriangleMesh small_ball() { return moved(sphere(1, 1), {5, 5, 5}); }

@@ -69,6 +69,14 @@ void widen_angles(PatchMesh& mesh, int passes);
 /// meet another.
 void even_edges(PatchMesh& mesh, int passes);
 
+/// The cosine between the normals of two triangles with a dihedral angle of 60 degrees.
+inline constexpr float kSharpBend = -0.5f;
+
+/// Flips and moves round the edges with dihedral angles below 60 degrees, so that the
+/// least one there grows: of what is thin and has been flattened, or of vertices that stand out. No
+/// triangle gets an angle below 25 degrees where there was none, or comes to meet another.
+void open_dihedrals(PatchMesh& mesh, int passes);
+
 /// Gives a point the field's normal and on_field, or on_field = false and the normal that it has:
 /// where the zero set is too far, its gradient too small, or its normal too far from the point's.
 void take_normal(const FieldView& field, SurfacePoint& point);

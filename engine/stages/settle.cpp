@@ -9,6 +9,7 @@
 #include <span>
 #include <utility>
 
+#include "stages/adjacency.h"
 #include "stages/approach.h"
 #include "stages/far_points.h"
 #include "stages/intersect.h"
@@ -40,7 +41,7 @@ constexpr int kAgain = 2;  // that a try is brought near again: one move may lea
 constexpr std::size_t kSolidShare = 4;  // triangles of marching cubes that are as much work as one
 constexpr std::size_t kTogether = 8;    // places that are mended at the same time
 constexpr float kMending = 2;           // voxel lengths round a triangle of poor shape
-constexpr int kMendingRounds = 2, kEveningPasses = 4, kWideningPasses = 12;
+constexpr int kMendingRounds = 3, kEveningPasses = 4, kWideningPasses = 12, kOpeningPasses = 8;
 constexpr float kGrowth[] = {1, 1.35f, 1.7f, 2.2f};
 
 /// What is wrong with a surface, and where.
@@ -94,6 +95,34 @@ std::vector<Vec3> uneven_triangles(const TriangleMesh& mesh, const Places& withi
     const Vec3 middle = middle_of(a, b, c);
     if (within.empty() || within.hold(middle)) middles.push_back(middle);
   });
+  return middles;
+}
+
+/// The middles of the edges in the places, or of all if there are none, with a dihedral angle below
+/// 60 degrees.
+std::vector<Vec3> sharp_edges(Backend& backend, const TriangleMesh& mesh, const Places& within) {
+  constexpr std::size_t kTask = 4096;
+  const std::size_t count = mesh.vertex_count();
+  const VertexCorners corners = vertex_corners(mesh);
+  const auto normal_of = [&](std::uint32_t c) {
+    const std::uint32_t* v = &mesh.triangles[c / 3 * 3];
+    const Vec3 a = vertex_at(mesh, v[0]);
+    return normalised(cross(vertex_at(mesh, v[1]) - a, vertex_at(mesh, v[2]) - a));
+  };
+  std::vector<std::vector<Vec3>> parts((count + kTask - 1) / kTask);
+  backend.run(parts.size(), [&](std::size_t task) {
+    for (std::size_t v = task * kTask; v < std::min((task + 1) * kTask, count); ++v)
+      for_each_shared_edge_up(
+          mesh, corners, static_cast<std::uint32_t>(v), [&](std::uint32_t c, std::uint32_t d) {
+            if (!(dot(normal_of(c), normal_of(d)) < kSharpBend)) return;
+            const Vec3 middle = 0.5f * (vertex_at(mesh, v) +
+                                        vertex_at(mesh, mesh.triangles[c / 3 * 3 + (c + 1) % 3]));
+            if (within.empty() || within.hold(middle)) parts[task].push_back(middle);
+          });
+  });
+  std::vector<Vec3> middles;
+  for (const std::vector<Vec3>& part : parts)
+    middles.insert(middles.end(), part.begin(), part.end());
   return middles;
 }
 
@@ -178,23 +207,24 @@ class Settling {
     return mended(approach(backend_, field_, sizes_, far, near, std::move(mesh)), places);
   }
 
-  /// The surface with its small angles made wider, and with edges of more equal lengths near the
-  /// places.
+  /// The surface with its small angles made wider, and near the places with edges of more equal
+  /// lengths and without sharp ones.
   TriangleMesh mended(TriangleMesh mesh, const Places& within) const {
     std::vector<Vec3> poor = uneven_triangles(mesh, within);
     Faults faults;
     find_poor_triangles(mesh, faults);
-    const std::vector<Vec3> sharp = faults.within({});
-    poor.insert(poor.end(), sharp.begin(), sharp.end());
+    for (const std::vector<Vec3>& more : {faults.within({}), sharp_edges(backend_, mesh, within)})
+      poor.insert(poor.end(), more.begin(), more.end());
     if (poor.empty()) return mesh;
     const Places places(places_at(poor, kMending, 1));
     const RemeshGoal goal = {field_, sizes_, &places, true};
     WorkingSurface surface = make_working_surface(backend_, goal, mesh);
     for (int round = 0; round < kMendingRounds; ++round)
-      for_each_block(backend_, {block_side(sizes_), 0.1f + 0.5f * static_cast<float>(round)},
+      for_each_block(backend_, {block_side(sizes_), 0.1f + 0.3f * static_cast<float>(round)},
                      surface, [](PatchMesh& part) {
                        even_edges(part, kEveningPasses);
                        widen_angles(part, kWideningPasses);
+                       open_dihedrals(part, kOpeningPasses);
                      });
     return make_mesh(backend_, surface);
   }

@@ -2,8 +2,9 @@
 
 /// \file
 /// The last step of every adaptive surface: it is brought near the segmentation (approach.h), its
-/// triangles of poor shape are mended (even_edges, widen_angles), and where it is still too far or
-/// has small angles, it is remeshed there with shorter edges, and brought near again.
+/// triangles of poor shape are mended (even_edges, widen_angles, open_dihedrals), and where it is
+/// still too far or has small angles, it is remeshed there with shorter edges, and brought near
+/// again.
 
 #include <cstddef>
 #include <span>
