@@ -204,6 +204,14 @@ SHAPES = [
         -1,
     ),
     Figure(
+        "edges with a dihedral angle below 60 degrees",
+        "sharp edges",
+        quality("sharp_edges"),
+        "{:,}",
+        always(2),
+        "2",
+    ),
+    Figure(
         "neighbouring edges within a ratio of 1.5, %",
         "edges within 1.5, %",
         percent(quality("edges_within_15")),

@@ -76,6 +76,7 @@ def row_of(
             "edge_ratio_above_08": 0.9,
             "edge_ratio_below_03": 0.0,
             "edge_ratio_below_01": 0.0,
+            "sharp_edges": 0,
         },
     }
 

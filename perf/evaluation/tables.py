@@ -91,6 +91,7 @@ SHAPE = [
     Column("least angle, mean", quality("least_angle", "mean"), 1, -1),
     Column("5th percentile", quality("least_angle", "percentile_5"), 1, -1),
     Column("least", quality("least_angle", "minimum"), 1, -1),
+    Column("edges below 60 degrees", quality("sharp_edges")),
     Column("size ratio, mean", quality("size_ratio", "mean"), 2),
     Column("95th percentile", quality("size_ratio", "percentile_95"), 2),
 ]
