@@ -78,6 +78,22 @@ TEST_P(Phantoms, ProvenAndWellShaped) {
       static_cast<double>(marching_cubes({phantom.geometry, phantom.voxels}).triangle_count());
   EXPECT_LE(static_cast<double>(result.mesh.triangle_count()), want.count * cubes);
   EXPECT_EQ(result.report.mesh.base_share, 0);
+  EXPECT_EQ(result.report.mesh.far_points, 0);
+}
+
+TEST(Adaptive, EdgesTooLongForTheirVesselsAreReported) {
+  const Phantom phantom = tree_cases(2).back().make();
+  Parameters parameters;
+  parameters.edges.rho = 2;
+  parameters.edges.edge_max = 20;
+  const Result result = convert_adaptively(phantom.view(), parameters);
+  expect_proven(result, phantom.view());
+  EXPECT_GT(result.report.mesh.far_points, 0);
+  const std::array<double, 3>& spacing = phantom.geometry.spacing;
+  EXPECT_NEAR(result.report.distance_limit,
+              std::max(*std::min_element(spacing.begin(), spacing.end()),
+                       0.55 * *std::max_element(spacing.begin(), spacing.end())),
+              1e-6);
 }
 
 PhantomCase named(const std::string& name) { return {name, name, {}}; }

@@ -34,6 +34,8 @@ Report full_report() {
   report.quality.least_angle.percentile_5 = 31.5;
   report.quality.dihedral_angle.minimum = 58.5;
   report.quality.sharp_edges = 12;
+  report.distance_limit = 0.75;
+  report.mesh.far_points = 5;
   return report;
 }
 
@@ -57,6 +59,8 @@ TEST(ReportJson, ValuesStandUnderTheirNames) {
   EXPECT_EQ(json["quality"]["least_angle"]["percentile_5"], 31.5);
   EXPECT_EQ(json["quality"]["dihedral_angle"]["minimum"], 58.5);
   EXPECT_EQ(json["quality"]["sharp_edges"], 12);
+  EXPECT_EQ(json["distance_limit"], 0.75);
+  EXPECT_EQ(json["mesh"]["far_points"], 5);
   EXPECT_TRUE(to_json(Report{})["check"]["wanted"].is_null());
 }
 

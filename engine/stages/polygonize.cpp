@@ -370,6 +370,7 @@ TriangleMesh Polygonizer::settled(TriangleMesh mesh) {
   Settled result = settle(backend_, field_.view(), sizes_.view(field_), bounds, place_radius(),
                           std::move(mesh), within, astray_, *work_);
   astray_ = std::move(result.far);
+  report_.far_points = static_cast<std::int64_t>(astray_.size());
   settled_ = true;
   changed_.clear();
   return std::move(result.mesh);

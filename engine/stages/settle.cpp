@@ -239,15 +239,18 @@ class Settling {
       std::copy_if(known.begin(), known.end(), std::back_inserter(faults.far),
                    [&](const Vec3& p) { return !places.hold(p, Places::kMargin); });
     const TriangleTree tree = build_triangle_tree(backend_, mesh);
-    for (const std::vector<Vec3>& found :
-         {points_beyond(backend_, kFarShare * bounds_.limit, solid, mesh, tree, places),
-          points_beyond(backend_, kMostShare * bounds_.limit, mesh, bounds_.solid.common,
-                        bounds_.solid_tree, places)})
-      faults.far.insert(faults.far.end(), found.begin(), found.end());
+    add_far_points(mesh, tree, solid, places, faults.far);
     faults.meeting = met ? meeting_in(places, mesh, *met)
                          : centres_of(mesh, find_intersections(backend_, mesh, tree).pairs);
     find_poor_triangles(mesh, faults);
     return faults;
+  }
+
+  /// The points of the surface and of all marching cubes that are too far from each other.
+  std::vector<Vec3> far_points_of(const TriangleMesh& mesh) const {
+    std::vector<Vec3> far;
+    add_far_points(mesh, build_triangle_tree(backend_, mesh), bounds_.solid.all, {}, far);
+    return far;
   }
 
   /// Once more near the points that are too far: what has been mended may have left them. Kept if
@@ -348,6 +351,16 @@ class Settling {
   }
 
  private:
+  /// Of triangles in the places alone, if there are any.
+  void add_far_points(const TriangleMesh& mesh, const TriangleTree& tree, const TriangleMesh& solid,
+                      const Places& places, std::vector<Vec3>& far) const {
+    for (const std::vector<Vec3>& found :
+         {points_beyond(backend_, kFarShare * bounds_.limit, solid, mesh, tree, places),
+          points_beyond(backend_, kMostShare * bounds_.limit, mesh, bounds_.solid.common,
+                        bounds_.solid_tree, places)})
+      far.insert(far.end(), found.begin(), found.end());
+  }
+
   /// Puts those that are better in the place of what was cut out.
   void put_back(std::span<const Cutting> cuts, std::vector<std::uint8_t> cutting,
                 Settled& settled) const {
@@ -401,6 +414,8 @@ Settled settle(Backend& backend, const FieldView& field, const SizeView& sizes,
       settling.faults_of(settled.mesh, bounds.solid.all, wider(within, kReach), far), settled.mesh);
   settled.far = faults.far;
   settling.mend_all(places_at(faults.within({}), radius, 1), radius, work, settled);
+  // What is far on triangles that reach out of a place has not been looked for there.
+  if (sizes.elsewhere > kReach) settled.far = settling.far_points_of(settled.mesh);
   return settled;
 }
 

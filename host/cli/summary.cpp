@@ -78,6 +78,15 @@ void print_mesh(const MeshReport& mesh) {
   fmt::print("; {}\n", plural(mesh.attempts, "attempt", "attempts"));
 }
 
+/// Where edges are too long for what the segmentation has there.
+void print_far_points(const Report& report) {
+  if (report.mesh.far_points == 0) return;
+  fmt::print(
+      "{:<10}{} near or beyond {:.3g} mm, the limit of the distance to marching cubes: ask "
+      "for shorter edges\n",
+      "Distance", plural(report.mesh.far_points, "point", "points"), report.distance_limit);
+}
+
 /// A device that failed, so that the CPU finished.
 void print_failures(const std::vector<StageReport>& stages) {
   for (const StageReport& stage : stages)
@@ -128,6 +137,7 @@ void print_conversion(const std::string& input, const std::string& output, const
   if (report.parameters.surface == SurfaceKind::adaptive) print_mesh(report.mesh);
   fmt::print("{:<10}edge ratio {:.2f}, least angle {:.0f} degrees on average\n", "Quality",
              report.quality.edge_ratio.mean, report.quality.least_angle.mean);
+  print_far_points(report);
   print_failures(report.stages);
   print_times(report.stages);
 }

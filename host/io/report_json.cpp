@@ -112,7 +112,8 @@ Json to_json(const MeshReport& mesh) {
           {"base_share", mesh.base_share},
           {"front_triangles", mesh.front_triangles},
           {"gaps", mesh.gaps},
-          {"gap_triangles", mesh.gap_triangles}};
+          {"gap_triangles", mesh.gap_triangles},
+          {"far_points", mesh.far_points}};
 }
 
 Json to_json(const Topology& topology) {
@@ -172,6 +173,7 @@ Json to_json(const Report& report) {
   out["points"] = report.points;
   out["thin_points"] = report.thin_points;
   out["bytes_planned"] = report.bytes_planned;
+  out["distance_limit"] = report.distance_limit;
   out["stages"] = list(report.stages);
   out["levels"] = list(report.levels);
   out["relabel"] = to_json(report.relabel);

@@ -99,6 +99,8 @@ struct MeshReport {
   std::int64_t front_triangles = 0;  ///< that the front added
   std::int64_t gaps = 0;             ///< that it left
   std::int64_t gap_triangles = 0;    ///< that closed them
+  std::int64_t far_points = 0;       ///< of the surface or of marching cubes: left farther from
+                                     ///< the other than 0.93 of Report::distance_limit
 };
 
 /// A distribution in a few numbers.
@@ -154,6 +156,8 @@ struct Report {
   std::int64_t points = 0;
   std::int64_t thin_points = 0;      ///< points from refined subvoxels
   std::int64_t bytes_planned = 0;    ///< the most that the work was expected to hold
+  double distance_limit = 0;         ///< mm: how far the surface and the segmentation's marching
+                                     ///< cubes may be from each other
   std::vector<StageReport> stages;
   std::vector<LevelReport> levels;   ///< coarse to fine
   RelabelReport relabel;
