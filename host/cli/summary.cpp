@@ -82,9 +82,9 @@ void print_mesh(const MeshReport& mesh) {
 void print_far_points(const Report& report) {
   if (report.mesh.far_points == 0) return;
   fmt::print(
-      "{:<10}{} near or beyond {:.3g} mm, the limit of the distance to marching cubes: ask "
-      "for shorter edges\n",
-      "Distance", plural(report.mesh.far_points, "point", "points"), report.distance_limit);
+      "{:<10}in places about {:.3g} mm or more from marching cubes, the limit: ask for "
+      "shorter edges\n",
+      "Distance", report.distance_limit);
 }
 
 /// A device that failed, so that the CPU finished.
