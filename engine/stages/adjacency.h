@@ -20,7 +20,7 @@ struct VertexCorners {
 };
 
 /// All indices must be below the number of vertices. \throws Error refused beyond 2^32 corners.
-VertexCorners vertex_corners(const TriangleMesh& mesh);
+VertexCorners vertex_corners(const Backend& backend, const TriangleMesh& mesh);
 
 /// The lowest vertex that each vertex hangs together with by the chosen triangles (a byte a
 /// triangle; all, if there are none).
