@@ -118,32 +118,40 @@ Solid examined(const VolumeView& volume, const Parameters& parameters, Scheduler
   return solid;
 }
 
-/// The samples of the segmentation's boundary, with their normals.
-PointCloud oriented_points(const BitVolume& object, const Scale& scale,
-                           const Parameters& parameters, Scheduler& scheduler, Report& report) {
+/// The samples of the segmentation's boundary, with their normals, and the octree's bricks.
+struct Samples {
+  PointCloud points;
+  OctreeBricks bricks;
+};
+
+Samples oriented_samples(const BitVolume& object, const Scale& scale, const Parameters& parameters,
+                         Scheduler& scheduler, Report& report) {
   scheduler.begin("points", Stage::points);
-  PointCloud points = extract_points(scheduler.backend_for(Stage::points), object, scale);
+  Backend& points_on = scheduler.backend_for(Stage::points);
+  PointCloud points = extract_points(points_on, object, scale);
+  OctreeBricks bricks = octree_bricks(points_on, points, parameters);
   report.points = static_cast<std::int64_t>(points.count);
   report.thin_points = static_cast<std::int64_t>(points.thin_count);
 
-  const BytePlan plan = plan_bytes(object.view(), points);
+  const BytePlan plan = plan_bytes(object.view(), points, bricks.count());
   scheduler.check_memory(plan);
   report.bytes_planned = static_cast<std::int64_t>(plan.most);
 
   scheduler.begin("normals", Stage::normals);
   estimate_normals(scheduler.backend_for(Stage::normals), object, scale, parameters, points);
-  return points;
+  return {std::move(points), std::move(bricks)};
 }
 
 /// The cell lattice with the solid's labels and the indicator function's values. Points and octree
 /// are gone once it is there.
 Lattice sampled_lattice(const BitVolume& object, const Scale& scale, const Parameters& parameters,
                         Scheduler& scheduler, Report& report) {
-  const PointCloud points = oriented_points(object, scale, parameters, scheduler, report);
+  const Samples samples = oriented_samples(object, scale, parameters, scheduler, report);
+  const PointCloud& points = samples.points;
 
   scheduler.begin("octree", Stage::octree);
   Backend& octree_on = scheduler.backend_for(Stage::octree);
-  Octree octree = build_octree(octree_on, points, scale, parameters);
+  Octree octree = build_octree(octree_on, samples.bricks, scale);
   assemble_poisson(octree_on, points, scale, parameters, octree);
 
   scheduler.begin("poisson", Stage::poisson);

@@ -65,7 +65,7 @@ TEST(Pinches, TrianglesThatShareADirectedEdgeGo) {
   const TriangleMesh before = mesh;
   const std::uint32_t apart = add_vertex(mesh, {5, 5, 5});
   add_triangle(mesh, 0, 2, apart);  // the second blade has 0 -> 2 as well
-  EXPECT_TRUE(drop_repeated_edges(mesh));
+  EXPECT_TRUE(drop_repeated_edges(host(), mesh));
   std::vector<std::uint32_t> left = before.triangles;
   left.erase(left.begin() + 3, left.begin() + 6);
   EXPECT_EQ(mesh.triangles, left);
@@ -77,7 +77,7 @@ TEST(Pinches, EdgesOfOneTriangleADirectionStay) {
   const std::uint32_t apart = add_vertex(mesh, {5, 5, 5});
   add_triangle(mesh, 1, 0, apart);  // the other side of the first blade's edge
   const TriangleMesh before = mesh;
-  EXPECT_FALSE(drop_repeated_edges(mesh));
+  EXPECT_FALSE(drop_repeated_edges(host(), mesh));
   EXPECT_EQ(mesh.triangles, before.triangles);
 }
 

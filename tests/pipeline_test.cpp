@@ -415,6 +415,37 @@ TEST(PipelineMemory, RefusedBelowThePeakAndDoneAtIt) {
   EXPECT_GT(convert(phantom.view(), {}, limited).mesh.triangle_count(), 0u);
 }
 
+/// Voxels that lie alone, `step` apart from `first` on, along each axis.
+DenseVolume lone_voxels(int side, int step, int first) {
+  DenseVolume volume({side, side, side});
+  for (int z = first; z < side; z += step)
+    for (int y = first; y < side; y += step)
+      for (int x = first; x < side; x += step) volume.at(x, y, z) = 1;
+  return volume;
+}
+
+TEST(PipelineMemory, PlanIsAboveThePeakAndNotFarAbove) {
+  const auto expect_planned = [](const VolumeView& volume, double most) {
+    Context fresh = make_threads(2);
+    Parameters parameters;
+    parameters.surface = SurfaceKind::base;
+    const auto planned =
+        static_cast<double>(convert(volume, parameters, fresh).report.bytes_planned);
+    const auto peak = static_cast<double>(fresh.backends.back()->bytes_peak());
+    EXPECT_GE(planned, peak);
+    EXPECT_LE(planned, most * peak);
+  };
+  expect_planned(y_branch().view(), 8);
+  expect_planned(small_tree().view(), 8);
+  expect_planned(make_phantom("full_box").view(), 8);
+  expect_planned(make_phantom("single_voxel").view(), 4);
+  for (const auto& [step, first] : {std::array{7, 3}, std::array{11, 4}, std::array{16, 3},
+                                    std::array{24, 11}, std::array{40, 4}, std::array{40, 8}}) {
+    SCOPED_TRACE(step);
+    expect_planned(lone_voxels(64, step, first).view(), 4);
+  }
+}
+
 TEST(PipelineReport, SaysWhatWasDone) {
   const Report report = convert(small_tree().view(), {}, context()).report;
   EXPECT_EQ(report.geometry.size, small_tree().geometry.size);

@@ -104,7 +104,7 @@ TEST(Quality, PercentilesAreRanks) {
   std::vector<float> values(1013);
   for (std::size_t i = 0; i < values.size(); ++i) values[i] = static_cast<float>(i);
   std::shuffle(values.begin(), values.end(), std::mt19937(4));
-  const Distribution d = describe(values);
+  const Distribution d = describe(*make_tbb_backend(2, nullptr), values);
   EXPECT_EQ(d.minimum, 0);
   EXPECT_EQ(d.percentile_5, 50);  // rank ceil(50.65) = 51
   EXPECT_EQ(d.median, 506);
@@ -119,7 +119,8 @@ TEST(Quality, WeightsCountAsRepeatedValues) {
   std::vector<float> repeated;
   for (std::size_t i = 0; i < values.size(); ++i)
     repeated.insert(repeated.end(), static_cast<std::size_t>(weights[i]), values[i]);
-  const Distribution plain = describe(repeated), weighted = describe_weighted(values, weights);
+  const Distribution plain = describe(*make_tbb_backend(2, nullptr), repeated),
+                     weighted = describe_weighted(values, weights);
   EXPECT_NEAR(weighted.mean, plain.mean, 1e-12);
   EXPECT_NEAR(weighted.deviation, plain.deviation, 1e-12);
   EXPECT_EQ(weighted.minimum, 1);

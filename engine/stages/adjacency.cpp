@@ -3,22 +3,26 @@
 #include <algorithm>
 #include <utility>
 
+#include "backend/in_steps.h"
 #include "stages/disjoint_sets.h"
 #include "vasamesh/errors.h"
 
 namespace vasamesh {
 
-VertexCorners vertex_corners(const TriangleMesh& mesh) {
+VertexCorners vertex_corners(const Backend& backend, const TriangleMesh& mesh) {
   if (mesh.triangles.size() > 0xffffffffu)
     throw Error(ErrorCode::refused, "the surface has more than 2^32 corners: take a part of it");
   VertexCorners result;
   // Counts go two entries on; after the scan, entry v + 1 runs from the start of v to its end.
-  result.first.assign(mesh.vertex_count() + 2, 0);
-  for (std::uint32_t v : mesh.triangles) ++result.first[v + 2];
-  for (std::size_t v = 2; v < result.first.size(); ++v) result.first[v] += result.first[v - 1];
-  result.corner.resize(mesh.triangles.size());
-  for (std::size_t c = 0; c < mesh.triangles.size(); ++c)
+  resize_in_steps(backend, mesh.vertex_count() + 2, result.first);
+  const std::size_t corners = mesh.triangles.size();
+  in_steps(backend, corners, [&](std::size_t c) { ++result.first[mesh.triangles[c] + 2]; });
+  in_steps(backend, mesh.vertex_count(),
+           [&](std::size_t v) { result.first[v + 2] += result.first[v + 1]; });
+  resize_in_steps(backend, corners, result.corner);
+  in_steps(backend, corners, [&](std::size_t c) {
     result.corner[result.first[mesh.triangles[c] + 1]++] = static_cast<std::uint32_t>(c);
+  });
   result.first.pop_back();
   return result;
 }

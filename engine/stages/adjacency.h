@@ -20,7 +20,7 @@ struct VertexCorners {
 };
 
 /// All indices must be below the number of vertices. \throws Error refused beyond 2^32 corners.
-VertexCorners vertex_corners(const TriangleMesh& mesh);
+VertexCorners vertex_corners(const Backend& backend, const TriangleMesh& mesh);
 
 /// visit(c, d) for each edge from vertex v up to a vertex of higher index, w, that two triangles
 /// share as those of a manifold do: v is corner c of the one that has v before w, and d of the

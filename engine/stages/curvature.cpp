@@ -8,6 +8,7 @@
 #include <set>
 #include <tuple>
 
+#include "backend/in_steps.h"
 #include "types/angles.h"
 #include "types/mesh_vertex.h"
 
@@ -46,16 +47,17 @@ std::vector<float> corner_angles(Backend& backend, const TriangleMesh& mesh) {
 /// Adds what is missing from 2 pi at each vertex to the sum of its cell.
 void add(Backend& backend, const TriangleMesh& mesh, double sign, Sums& sums) {
   const std::vector<float> angles = corner_angles(backend, mesh);
-  std::vector<double> missing(mesh.vertex_count(), kTwoPi);
-  for (std::size_t c = 0; c < angles.size(); ++c) missing[mesh.triangles[c]] -= double{angles[c]};
+  auto missing = filled_in_steps(backend, mesh.vertex_count(), kTwoPi);
+  in_steps(backend, angles.size(),
+           [&](std::size_t c) { missing[mesh.triangles[c]] -= double{angles[c]}; });
   auto at = sums.end();
-  for (std::size_t v = 0; v < missing.size(); ++v) {
+  in_steps(backend, missing.size(), [&](std::size_t v) {
     const Vec3 p = (1 / kCell) * vertex_at(mesh, v);
     const Cell cell = {static_cast<int>(std::floor(p.x)), static_cast<int>(std::floor(p.y)),
                        static_cast<int>(std::floor(p.z))};
     if (at == sums.end() || at->first != cell) at = sums.try_emplace(cell, 0.0).first;
     at->second += sign * missing[v];
-  }
+  });
 }
 
 struct Cube {

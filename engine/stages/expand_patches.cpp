@@ -93,7 +93,7 @@ Front take_patches(Backend& backend, const FieldView& field, const SizeView& siz
   front.reserve(count, patches.triangle_count(), 0);
   front.bring_to_host();
   std::vector<Vec3> normals(count);
-  const VertexCorners corners = vertex_corners(patches);
+  const VertexCorners corners = vertex_corners(backend, patches);
   backend.run((count + kGrain - 1) / kGrain, [&](std::size_t task) {
     const std::size_t end = std::min((task + 1) * kGrain, count);
     for (std::size_t v = task * kGrain; v < end; ++v) {

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "backend/in_steps.h"
 #include "stages/patch_rules.h"
 #include "stages/relax.h"
 
@@ -20,11 +21,14 @@ bool any_poor(const PatchMesh& part) {
   return false;
 }
 
-bool any_poor(const WorkingSurface& surface) {
-  for (std::size_t c = 0; c < surface.triangles.size(); c += 3)
+bool any_poor(const Backend& backend, const WorkingSurface& surface) {
+  constexpr std::size_t kAsked = 3 << 16;  // corners between two checkpoints
+  for (std::size_t c = 0; c < surface.triangles.size(); c += 3) {
+    if (c % kAsked == 0) backend.checkpoint();
     if (least_sine(surface.points[surface.triangles[c]], surface.points[surface.triangles[c + 1]],
                    surface.points[surface.triangles[c + 2]]) < kSine20)
       return true;
+  }
   return false;
 }
 
@@ -47,7 +51,7 @@ void finish(Backend& backend, const RemeshGoal& goal, WorkingSurface& surface) {
     if (is_last) repair_all(parts, kSine25, 24);
     blocks.join();
   }
-  for (int round = 0; round < kLastRounds && any_poor(surface); ++round) {
+  for (int round = 0; round < kLastRounds && any_poor(backend, surface); ++round) {
     SurfaceBlocks blocks(backend, {side, 0.23f * static_cast<float>(round)}, surface);
     std::vector<PatchMesh*> parts = blocks.parts();
     std::erase_if(parts, [](const PatchMesh* part) { return !any_poor(*part); });
@@ -65,11 +69,12 @@ void finish(Backend& backend, const RemeshGoal& goal, WorkingSurface& surface) {
   }
 }
 
-void fix_places(const RemeshGoal& goal, WorkingSurface& surface) {
+void fix_places(const Backend& backend, const RemeshGoal& goal, WorkingSurface& surface) {
   if (!goal.places || !goal.places->any_fixed()) return;
   surface.fixed.resize(surface.points.size());
-  for (std::size_t v = 0; v < surface.points.size(); ++v)
+  in_steps(backend, surface.fixed.size(), [&](std::size_t v) {
     surface.fixed[v] = goal.size_at(surface.points[v].position) == 0;
+  });
 }
 
 TriangleMesh finish(Backend& backend, const FieldView& field, const SizeView& sizes,
@@ -77,7 +82,7 @@ TriangleMesh finish(Backend& backend, const FieldView& field, const SizeView& si
   const Places careful(places);
   const RemeshGoal goal = {field, sizes, &careful, !places.empty()};
   WorkingSurface surface = make_working_surface(backend, goal, mesh);
-  fix_places(goal, surface);
+  fix_places(backend, goal, surface);
   finish(backend, goal, surface);
   return make_mesh(backend, surface);
 }

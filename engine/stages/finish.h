@@ -26,6 +26,6 @@ TriangleMesh finish(Backend& backend, const FieldView& field, const SizeView& si
 void finish(Backend& backend, const RemeshGoal& goal, WorkingSurface& surface);
 
 /// Fixes the vertices in places of factor 0.
-void fix_places(const RemeshGoal& goal, WorkingSurface& surface);
+void fix_places(const Backend& backend, const RemeshGoal& goal, WorkingSurface& surface);
 
 }  // namespace vasamesh

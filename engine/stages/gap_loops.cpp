@@ -117,7 +117,7 @@ class CornerFinder {
 
 /// All corners, by vertex, then by previous vertex.
 std::vector<Corner> find_corners(Backend& backend, const TriangleMesh& mesh) {
-  const VertexCorners corners = vertex_corners(mesh);
+  const VertexCorners corners = vertex_corners(backend, mesh);
   std::vector<std::vector<Corner>> parts((mesh.vertex_count() + kChunk - 1) / kChunk);
   backend.run(parts.size(), [&](std::size_t part) {
     CornerFinder finder(mesh, corners);

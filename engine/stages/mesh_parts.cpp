@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <utility>
 
+#include "backend/in_steps.h"
 #include "stages/lower_to.h"
 #include "types/mesh_vertex.h"
 
@@ -36,7 +37,7 @@ std::vector<std::uint32_t> corners_of(Backend& backend, const TriangleMesh& mesh
     for (std::size_t t = task * kTask; t < task_end(task, count); ++t)
       start[task] += chosen[t] != 0;
   });
-  std::vector<std::uint32_t> corners(3 * starts_of(start));
+  auto corners = filled_in_steps<std::uint32_t>(backend, 3 * starts_of(start));
   backend.run(start.size(), [&](std::size_t task) {
     std::uint32_t* to = corners.data() + 3 * start[task];
     for (std::size_t t = task * kTask; t < task_end(task, count); ++t)
@@ -68,7 +69,7 @@ void add_corner(const TriangleMesh& mesh, std::uint32_t v, std::vector<std::uint
 std::vector<std::uint32_t> rename_in_order(Backend& backend, std::size_t vertices,
                                            std::vector<std::uint32_t>& corners) {
   const std::size_t count = corners.size();
-  std::vector<std::uint32_t> first(vertices, kNone);  // corner
+  auto first = filled_in_steps(backend, vertices, kNone);  // corner
   backend.run(tasks(count), [&](std::size_t task) {
     for (std::size_t c = task * kTask; c < task_end(task, count); ++c)
       lower_to(first[corners[c]], static_cast<std::uint32_t>(c));
@@ -78,7 +79,8 @@ std::vector<std::uint32_t> rename_in_order(Backend& backend, std::size_t vertice
     for (std::size_t c = task * kTask; c < task_end(task, count); ++c)
       start[task] += first[corners[c]] == c;
   });
-  std::vector<std::uint32_t> old_names(starts_of(start)), name(vertices);
+  auto old_names = filled_in_steps<std::uint32_t>(backend, starts_of(start));
+  auto name = filled_in_steps<std::uint32_t>(backend, vertices);
   backend.run(start.size(), [&](std::size_t task) {
     auto next = static_cast<std::uint32_t>(start[task]);
     for (std::size_t c = task * kTask; c < task_end(task, count); ++c) {
@@ -100,7 +102,7 @@ TriangleMesh part_of(Backend& backend, const TriangleMesh& mesh,
   part.triangles = corners_of(backend, mesh, chosen);
   const std::vector<std::uint32_t> vertices =
       rename_in_order(backend, mesh.vertex_count(), part.triangles);
-  part.vertices.resize(3 * vertices.size());
+  resize_in_steps(backend, 3 * vertices.size(), part.vertices);
   backend.run(tasks(vertices.size()), [&](std::size_t task) {
     for (std::size_t v = task * kTask; v < task_end(task, vertices.size()); ++v)
       std::copy_n(&mesh.vertices[3 * std::size_t{vertices[v]}], 3, &part.vertices[3 * v]);

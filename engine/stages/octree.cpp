@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "backend/in_steps.h"
 #include "stages/bricks.h"
 #include "vasamesh/errors.h"
 
@@ -35,8 +36,8 @@ std::vector<BrickCoord> refined_bricks(Backend& backend, const PointCloud& point
   for (const View<const float>& axis : view.position) backend.on_host(axis);
   std::vector<BrickCoord> bricks;
   std::vector<std::uint8_t> octants;
-  for (std::size_t i = 0; i < view.count; ++i) {
-    if (view.thickness[i] >= thickness) continue;
+  in_steps(backend, view.count, [&](std::size_t i) {
+    if (view.thickness[i] >= thickness) return;
     int cell[3];
     for (std::size_t axis = 0; axis < 3; ++axis)
       cell[axis] = static_cast<int>(std::floor(2.0f * view.position[axis][i]));
@@ -47,7 +48,7 @@ std::vector<BrickCoord> refined_bricks(Backend& backend, const PointCloud& point
       octants.push_back(0);
     }
     octants.back() = static_cast<std::uint8_t>(octants.back() | 1u << octant);
-  }
+  });
   return dilate_by_octants(backend, bricks, octants);
 }
 
@@ -85,29 +86,39 @@ void require_depth(const Parameters& parameters, int regular_depth) {
 
 }  // namespace
 
-Octree build_octree(Backend& backend, const PointCloud& points, const Scale& scale,
-                    const Parameters& parameters) {
+std::size_t OctreeBricks::count() const {
+  std::size_t sum = 0;
+  for (const std::vector<BrickCoord>& level : levels) sum += level.size();
+  return sum;
+}
+
+OctreeBricks octree_bricks(Backend& backend, const PointCloud& points,
+                           const Parameters& parameters) {
   std::vector<BrickCoord> with_points(points.bricks.count);
   std::vector<std::uint8_t> octants(points.bricks.count);
   backend.download<BrickCoord>(points.bricks.coords.view(), with_points);
   backend.download<std::uint8_t>(points.octants.view(), octants);
 
-  std::vector<std::vector<BrickCoord>> coords = {dilate_by_octants(backend, with_points, octants)};
-  while (coords.size() < 3 || !is_root(coords.back()))
-    coords.push_back(coarser_bricks(backend, coords.back()));
-  const int root_exponent = static_cast<int>(coords.size()) - 1;
-  require_depth(parameters, 4 + root_exponent);
-
-  Octree octree;
-  for (int exponent = root_exponent; exponent >= 0; --exponent)
-    octree.levels.push_back(make_level(backend, exponent, scale,
-                                       std::move(coords[static_cast<std::size_t>(exponent)])));
-  const bool everywhere = parameters.depth == 4 + root_exponent + 1;
+  OctreeBricks bricks;
+  bricks.levels = {dilate_by_octants(backend, with_points, octants)};
+  while (bricks.levels.size() < 3 || !is_root(bricks.levels.back()))
+    bricks.levels.push_back(coarser_bricks(backend, bricks.levels.back()));
+  std::reverse(bricks.levels.begin(), bricks.levels.end());
+  bricks.root_exponent = static_cast<int>(bricks.levels.size()) - 1;
+  require_depth(parameters, 4 + bricks.root_exponent);
+  const bool everywhere = parameters.depth == 4 + bricks.root_exponent + 1;
   if (parameters.depth == 0 || everywhere) {
     auto refined = refined_bricks(backend, points, everywhere ? 2.0f : kThinThickness);
-    if (!refined.empty())
-      octree.levels.push_back(make_level(backend, -1, scale, std::move(refined)));
+    if (!refined.empty()) bricks.levels.push_back(std::move(refined));
   }
+  return bricks;
+}
+
+Octree build_octree(Backend& backend, const OctreeBricks& bricks, const Scale& scale) {
+  Octree octree;
+  for (std::size_t i = 0; i < bricks.levels.size(); ++i)
+    octree.levels.push_back(
+        make_level(backend, bricks.root_exponent - static_cast<int>(i), scale, bricks.levels[i]));
   for (std::size_t i = 0; i < octree.levels.size(); ++i) {
     OctreeLevel& level = octree.levels[i];
     backend.octree_mark_unknown(level.view(), i == 0, level.unknown.view());

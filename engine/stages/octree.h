@@ -15,12 +15,28 @@ namespace vasamesh {
 /// Samples of less thickness than this get the refined level.
 inline constexpr float kThinThickness = 0.5f;
 
-/// Levels, parents and unknown cells; no values yet. With parameters.depth one above the regular
-/// depth the refined level covers every sample.
+/// The bricks of an octree's levels, the root's first.
+struct OctreeBricks {
+  int root_exponent = 0;
+  std::vector<std::vector<BrickCoord>> levels;
+
+  std::size_t count() const;  ///< of all levels
+};
+
+/// Those that the samples need. With parameters.depth one above the regular depth the refined level
+/// covers every sample.
 /// \throws Error usage, when parameters.depth is not within two below and one above the regular
 ///         depth, which the message names.
-Octree build_octree(Backend& backend, const PointCloud& points, const Scale& scale,
-                    const Parameters& parameters);
+OctreeBricks octree_bricks(Backend& backend, const PointCloud& points,
+                           const Parameters& parameters);
+
+/// Levels, parents and unknown cells; no values yet.
+Octree build_octree(Backend& backend, const OctreeBricks& bricks, const Scale& scale);
+
+inline Octree build_octree(Backend& backend, const PointCloud& points, const Scale& scale,
+                           const Parameters& parameters) {
+  return build_octree(backend, octree_bricks(backend, points, parameters), scale);
+}
 
 /// The points near the bricks of a level (of exponent 1 at most).
 struct LevelPoints {

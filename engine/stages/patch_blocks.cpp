@@ -5,6 +5,7 @@
 #include <bit>
 #include <utility>
 
+#include "backend/in_steps.h"
 #include "stages/mesh_parts.h"
 #include "types/mesh_vertex.h"
 #include "vasamesh/errors.h"
@@ -27,14 +28,16 @@ struct Division {
 /// Cells of a grid round all vertices.
 class Cells {
  public:
-  Cells(const std::vector<SurfacePoint>& points, const BlockGrid& grid) : inverse_(1 / grid.side) {
+  Cells(const Backend& backend, const std::vector<SurfacePoint>& points, const BlockGrid& grid)
+      : inverse_(1 / grid.side) {
     Vec3 low = points[0].position, high = low;
-    for (const SurfacePoint& p : points) {
+    in_steps(backend, points.size(), [&](std::size_t v) {
+      const SurfacePoint& p = points[v];
       low = {std::min(low.x, p.position.x), std::min(low.y, p.position.y),
              std::min(low.z, p.position.z)};
       high = {std::max(high.x, p.position.x), std::max(high.y, p.position.y),
               std::max(high.z, p.position.z)};
-    }
+    });
     const float back = (1 - grid.shift) * grid.side;
     origin_ = low - Vec3{back, back, back};
     const Vec3 extent = inverse_ * (high - origin_);
@@ -61,14 +64,14 @@ class Cells {
 /// Triangles by the cells of their first corners, in the order of cells, then of triangles.
 Division divide(Backend& backend, const BlockGrid& grid, const WorkingSurface& surface) {
   const std::size_t triangles = surface.triangles.size() / 3;
-  const Cells cells(surface.points, grid);
-  std::vector<std::uint32_t> cell(triangles);
+  const Cells cells(backend, surface.points, grid);
+  auto cell = filled_in_steps<std::uint32_t>(backend, triangles);
   backend.run(chunks(triangles), [&](std::size_t chunk) {
     for (std::size_t t = chunk * kChunk; t < std::min((chunk + 1) * kChunk, triangles); ++t)
       cell[t] = cells.at(surface.points[surface.triangles[3 * t]].position);
   });
   std::vector<std::uint32_t> block(cells.count(), 0);
-  for (std::uint32_t c : cell) ++block[c];
+  in_steps(backend, triangles, [&](std::size_t t) { ++block[cell[t]]; });
   Division division;
   division.first.push_back(0);
   for (std::uint32_t& count : block) {
@@ -77,9 +80,10 @@ Division divide(Backend& backend, const BlockGrid& grid, const WorkingSurface& s
     division.first.push_back(start + count);
     count = start;
   }
-  division.order.resize(triangles);
-  for (std::size_t t = 0; t < triangles; ++t)
+  resize_in_steps(backend, triangles, division.order);
+  in_steps(backend, triangles, [&](std::size_t t) {
     division.order[block[cell[t]]++] = static_cast<std::uint32_t>(t);
+  });
   return division;
 }
 
@@ -112,7 +116,7 @@ struct Part {
 };
 
 /// Takes a block out of the surface. \param degree  triangles at each vertex.
-SurfaceBlocks::Taken take_out(const WorkingSurface& surface,
+SurfaceBlocks::Taken take_out(const Backend& backend, const WorkingSurface& surface,
                               const std::vector<std::uint32_t>& degree, const Division& division,
                               std::size_t b) {
   const std::uint32_t first = division.first[b], end = division.first[b + 1];
@@ -136,7 +140,9 @@ SurfaceBlocks::Taken take_out(const WorkingSurface& surface,
     points[v] = surface.points[from];
     whole[v] = local_degree[v] == degree[from] && (surface.fixed.empty() || !surface.fixed[from]);
   }
+  backend.checkpoint();
   taken.mesh.build(std::move(points), corners, std::move(whole));
+  taken.mesh.set_backend(&backend);
   if (surface.keeps_border) taken.mesh.hold_border();
   return taken;
 }
@@ -163,10 +169,10 @@ Part put_back(const SurfaceBlocks::Taken& taken, WorkingSurface& surface) {
 }
 
 /// Triangles at each vertex.
-std::vector<std::uint32_t> degrees(const WorkingSurface& surface) {
-  std::vector<std::uint32_t> degree(surface.points.size(), 0);
+std::vector<std::uint32_t> degrees(const Backend& backend, const WorkingSurface& surface) {
+  auto degree = filled_in_steps<std::uint32_t>(backend, surface.points.size());
   for (const auto* triangles : {&surface.triangles, &surface.resting})
-    for (const std::uint32_t v : *triangles) ++degree[v];
+    in_steps(backend, triangles->size(), [&](std::size_t c) { ++degree[(*triangles)[c]]; });
   return degree;
 }
 
@@ -180,9 +186,9 @@ void join_parts(Backend& backend, const std::vector<Part>& parts, WorkingSurface
   }
   if (corner_start.back() > 0xffffffffu)
     throw Error(ErrorCode::refused, "the surface has more than 2^32 corners: ask for longer edges");
-  surface.points.resize(old_count + added_start.back());
+  resize_in_steps(backend, old_count + added_start.back(), surface.points);
   if (!surface.fixed.empty()) surface.fixed.resize(surface.points.size(), 0);
-  surface.triangles.resize(corner_start.back());
+  resize_in_steps(backend, corner_start.back(), surface.triangles);
   backend.run(parts.size(), [&](std::size_t b) {
     const auto shift = static_cast<std::uint32_t>(added_start[b]);
     std::uint32_t* to = surface.triangles.data() + corner_start[b];
@@ -197,11 +203,11 @@ void join_parts(Backend& backend, const std::vector<Part>& parts, WorkingSurface
 void for_each_block(Backend& backend, const BlockGrid& grid, WorkingSurface& surface,
                     const std::function<void(PatchMesh&)>& work) {
   if (surface.triangles.empty()) return;
-  const std::vector<std::uint32_t> degree = degrees(surface);
+  const std::vector<std::uint32_t> degree = degrees(backend, surface);
   const Division division = divide(backend, grid, surface);
   std::vector<Part> parts(division.count());
   backend.run(division.count(), [&](std::size_t b) {
-    SurfaceBlocks::Taken taken = take_out(surface, degree, division, b);
+    SurfaceBlocks::Taken taken = take_out(backend, surface, degree, division, b);
     work(taken.mesh);
     parts[b] = put_back(taken, surface);
   });
@@ -211,11 +217,11 @@ void for_each_block(Backend& backend, const BlockGrid& grid, WorkingSurface& sur
 SurfaceBlocks::SurfaceBlocks(Backend& backend, const BlockGrid& grid, WorkingSurface& surface)
     : backend_(backend), surface_(surface) {
   if (surface.triangles.empty()) return;
-  const std::vector<std::uint32_t> degree = degrees(surface);
+  const std::vector<std::uint32_t> degree = degrees(backend, surface);
   const Division division = divide(backend, grid, surface);
   taken_.resize(division.count());
   backend.run(division.count(),
-              [&](std::size_t b) { taken_[b] = take_out(surface, degree, division, b); });
+              [&](std::size_t b) { taken_[b] = take_out(backend, surface, degree, division, b); });
 }
 
 std::vector<PatchMesh*> SurfaceBlocks::parts() {
@@ -239,17 +245,17 @@ void for_each_part(Backend& backend, std::span<PatchMesh* const> parts,
 namespace {
 
 /// Sums of the triangles' normals, by area, for the points that do not rest.
-void set_mesh_normals(const TriangleMesh& mesh, const std::vector<std::uint8_t>& rests,
-                      WorkingSurface& surface) {
-  for (std::size_t c = 0; c < mesh.triangles.size(); c += 3) {
-    const std::uint32_t* v = &mesh.triangles[c];
-    if (rests[v[0]] && rests[v[1]] && rests[v[2]]) continue;
+void set_mesh_normals(const Backend& backend, const TriangleMesh& mesh,
+                      const std::vector<std::uint8_t>& rests, WorkingSurface& surface) {
+  in_steps(backend, mesh.triangle_count(), [&](std::size_t t) {
+    const std::uint32_t* v = &mesh.triangles[3 * t];
+    if (rests[v[0]] && rests[v[1]] && rests[v[2]]) return;
     SurfacePoint* corner[3];
     for (int i = 0; i < 3; ++i) corner[i] = &surface.points[v[i]];
     const Vec3 normal =
         cross(corner[1]->position - corner[0]->position, corner[2]->position - corner[0]->position);
     for (SurfacePoint* p : corner) p->normal = p->normal + normal;
-  }
+  });
 }
 
 /// Takes the triangles without a vertex near the places out. \return a byte a point: whether it has
@@ -263,13 +269,13 @@ std::vector<std::uint8_t> put_to_rest(Backend& backend, const Places& places,
       near[v] = places.hold(surface.points[v].position, Places::kMargin);
   });
   std::vector<std::uint32_t> active;
-  for (std::size_t c = 0; c < surface.triangles.size(); c += 3) {
-    const std::uint32_t* v = &surface.triangles[c];
+  in_steps(backend, surface.triangles.size() / 3, [&](std::size_t t) {
+    const std::uint32_t* v = &surface.triangles[3 * t];
     const bool wanted = near[v[0]] || near[v[1]] || near[v[2]];
     std::vector<std::uint32_t>& to = wanted ? active : surface.resting;
     to.insert(to.end(), v, v + 3);
     if (wanted) rests[v[0]] = rests[v[1]] = rests[v[2]] = 0;
-  }
+  });
   surface.triangles = std::move(active);
   return rests;
 }
@@ -279,8 +285,8 @@ std::vector<std::uint8_t> put_to_rest(Backend& backend, const Places& places,
 WorkingSurface make_working_surface(Backend& backend, const RemeshGoal& goal,
                                     const TriangleMesh& mesh) {
   WorkingSurface surface;
-  surface.triangles = mesh.triangles;
-  surface.points.resize(mesh.vertex_count());
+  append_in_steps<std::uint32_t>(backend, mesh.triangles, surface.triangles);
+  resize_in_steps(backend, mesh.vertex_count(), surface.points);
   const auto for_each_point = [&](const auto& visit) {
     const std::size_t count = surface.points.size();
     backend.run(chunks(count), [&](std::size_t chunk) {
@@ -292,7 +298,7 @@ WorkingSurface make_working_surface(Backend& backend, const RemeshGoal& goal,
   std::vector<std::uint8_t> rests(mesh.vertex_count(), 0);
   if (goal.local) rests = put_to_rest(backend, *goal.places, surface);
   surface.keeps_border = goal.local;
-  set_mesh_normals(mesh, rests, surface);
+  set_mesh_normals(backend, mesh, rests, surface);
   for_each_point([&](std::size_t v, SurfacePoint& p) {
     if (rests[v]) return;
     p.normal = normalised(p.normal);
@@ -304,11 +310,11 @@ WorkingSurface make_working_surface(Backend& backend, const RemeshGoal& goal,
 
 TriangleMesh make_mesh(Backend& backend, const WorkingSurface& surface) {
   TriangleMesh mesh;
-  mesh.triangles = surface.triangles;
-  mesh.triangles.insert(mesh.triangles.end(), surface.resting.begin(), surface.resting.end());
+  append_in_steps<std::uint32_t>(backend, surface.triangles, mesh.triangles);
+  append_in_steps<std::uint32_t>(backend, surface.resting, mesh.triangles);
   const std::vector<std::uint32_t> vertices =
       rename_in_order(backend, surface.points.size(), mesh.triangles);
-  mesh.vertices.resize(3 * vertices.size());
+  resize_in_steps(backend, 3 * vertices.size(), mesh.vertices);
   backend.run(chunks(vertices.size()), [&](std::size_t chunk) {
     for (std::size_t v = chunk * kChunk; v < std::min((chunk + 1) * kChunk, vertices.size()); ++v) {
       const Vec3& p = surface.points[vertices[v]].position;

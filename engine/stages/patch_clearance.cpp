@@ -51,6 +51,7 @@ void Clearance::take_up_all(const PatchMesh& mesh, const Wanted& wanted) {
   std::vector<std::uint32_t> chosen;
   float sum = 0;
   for (std::uint32_t h = 0; h < mesh.half_edge_end(); h += 4) {
+    mesh.take_turn();
     if (!mesh.is_edge(h) || !wanted(h)) continue;
     chosen.push_back(h);
     sum += Box(mesh, mesh.corners(h)).half_side();
@@ -59,7 +60,10 @@ void Clearance::take_up_all(const PatchMesh& mesh, const Wanted& wanted) {
   head_.assign(std::bit_ceil(chosen.size() + 1), PatchMesh::kNone);
   entries_.reserve(chosen.size());
   faces_.resize(mesh.half_edge_end() / 4);
-  for (const std::uint32_t h : chosen) take_up(mesh, h);
+  for (const std::uint32_t h : chosen) {
+    mesh.take_turn();
+    take_up(mesh, h);
+  }
 }
 
 Clearance::Clearance(const PatchMesh& mesh) : shells_(mesh) {
@@ -127,6 +131,7 @@ void Clearance::find_candidates(const PatchMesh& mesh, std::span<const std::uint
 
 bool Clearance::is_clear(const PatchMesh& mesh, std::span<const std::uint32_t> gone,
                          std::span<const Corners> made) {
+  mesh.take_turn();
   if (made.empty()) return true;
   if (!shells_.keep_volume(mesh, gone, made)) return false;
   Box around(mesh, made[0]);

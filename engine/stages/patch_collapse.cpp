@@ -60,8 +60,10 @@ bool merge_vertex(PatchMesh& mesh, std::uint32_t v, float shortest, float longes
 }  // namespace
 
 void collapse_short_edges(PatchMesh& mesh, float shortest, float longest) {
-  for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v)
+  for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) {
+    mesh.take_turn();
     if (mesh.is_there(v) && mesh.is_whole(v)) merge_vertex(mesh, v, shortest, longest);
+  }
 }
 
 }  // namespace vasamesh

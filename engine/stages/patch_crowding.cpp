@@ -67,7 +67,10 @@ class VertexGrid {
 std::vector<float> reaches(const PatchMesh& mesh) {
   std::vector<float> reach(mesh.vertex_count(), 0.0f);
   for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v)
-    if (mesh.is_there(v) && mesh.is_whole(v)) reach[v] = kNear * longest_edge(mesh, v);
+    if (mesh.is_there(v) && mesh.is_whole(v)) {
+      mesh.take_turn();
+      reach[v] = kNear * longest_edge(mesh, v);
+    }
   return reach;
 }
 
@@ -114,6 +117,7 @@ std::vector<std::uint8_t> crowded_vertices(const PatchMesh& mesh) {
   TwoRings rings(mesh);
   std::vector<std::uint32_t> others;
   for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) {
+    mesh.take_turn();
     const SurfacePoint& p = mesh.points[v];
     if (reach[v] == 0) continue;
     others.clear();

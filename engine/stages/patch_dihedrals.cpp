@@ -162,6 +162,7 @@ void open_dihedrals(PatchMesh& mesh, int passes) {
   for (int pass = 0; pass < passes; ++pass) {
     bool any = false;
     for (std::uint32_t h = 0; h < mesh.half_edge_end(); ++h) {
+      mesh.take_turn();
       // The half-edge of lower index stands for its edge.
       if (!mesh.is_edge(h) || mesh.twin(h) == PatchMesh::kNone || mesh.twin(h) < h) continue;
       if (!(bend_of(mesh, h) < kSharpBend)) continue;

@@ -67,6 +67,7 @@ void flip_where(PatchMesh& mesh, int passes, const Wanted& wanted, const Flipped
   for (int pass = 0; pass < passes; ++pass) {
     bool any = false;
     for (std::uint32_t h = 0; h < mesh.half_edge_end(); ++h) {
+      mesh.take_turn();
       if (!mesh.is_edge(h) || mesh.twin(h) == PatchMesh::kNone || mesh.twin(h) < h) continue;
       if (!all_whole(mesh, h) || !wanted(h) || !mesh.may_flip(h)) continue;
       mesh.flip(h);

@@ -94,6 +94,7 @@ void mend_triangles(PatchMesh& mesh, const Rule& rule, int passes) {
   for (int pass = 0; pass < passes; ++pass) {
     bool any = false;
     for (std::uint32_t t = 0; t < mesh.half_edge_end(); t += 4) {
+      mesh.take_turn();
       if (!mesh.is_edge(t) || !rule.is_poor(mesh.points[mesh.origin(t)],
                                             mesh.points[mesh.target(t)], mesh.points[mesh.apex(t)]))
         continue;

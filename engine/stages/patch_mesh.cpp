@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "backend/backend.h"
+
 namespace vasamesh {
 
 namespace {
@@ -82,6 +84,10 @@ bool PatchMesh::loop_is_short(std::uint32_t border) const {
     if (h == border) return true;
   }
   return false;
+}
+
+void PatchMesh::ask_backend() const {
+  if (backend_) backend_->checkpoint();
 }
 
 void PatchMesh::hold_border() {

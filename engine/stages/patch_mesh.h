@@ -19,6 +19,8 @@
 
 namespace vasamesh {
 
+class Backend;
+
 class PatchMesh {
  public:
   /// The vertices of a triangle, counter-clockwise from outside.
@@ -35,6 +37,15 @@ class PatchMesh {
   /// \param whole  one a vertex.
   void build(std::vector<SurfacePoint> given, const std::vector<std::uint32_t>& corners,
              std::vector<std::uint8_t> whole);
+
+  /// Whom take_turn() asks; nobody if null.
+  void set_backend(const Backend* backend) { backend_ = backend; }
+
+  /// Loops over the part call it once a turn, of a microsecond or some hundred: parts of many small
+  /// shells are large. Now and then it is a checkpoint of the backend.
+  void take_turn() const {
+    if (++turns_ % kTurns == 0) ask_backend();
+  }
 
   /// Lets no operation change the vertices on borders: they are not whole any more.
   void hold_border();
@@ -110,6 +121,9 @@ class PatchMesh {
   void flip(std::uint32_t h);
 
  private:
+  static constexpr std::uint32_t kTurns = 16;
+
+  void ask_backend() const;
   void link(std::uint32_t a, std::uint32_t b);
   void set_edge(std::uint32_t v, std::uint32_t h);
   void remove_triangle(std::uint32_t h);
@@ -121,6 +135,8 @@ class PatchMesh {
   std::vector<std::uint8_t> whole_;
   std::vector<std::uint32_t> mark_;
   std::uint32_t stamp_ = 0;
+  const Backend* backend_ = nullptr;
+  mutable std::uint32_t turns_ = 0;
 };
 
 }  // namespace vasamesh

@@ -21,9 +21,8 @@ namespace vasamesh {
 struct RemeshGoal {
   FieldView field;
   SizeView sizes;
-  const Places* places = nullptr;    ///< the least factor counts
-  bool local = false;                ///< work near such places alone
-  const Backend* backend = nullptr;  ///< its checkpoint is called in passes that take long
+  const Places* places = nullptr;  ///< the least factor counts
+  bool local = false;              ///< work near such places alone
 
   /// The mean edge comes out shorter than the length that splits and collapses aim at.
   static constexpr float kLengthFactor = 1.08f;

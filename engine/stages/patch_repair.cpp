@@ -217,9 +217,11 @@ bool Repair::try_move(std::uint32_t v) {
 /// Whole inner vertices within two edges of the triangles that are worse than `wanted`.
 std::vector<std::uint32_t> Repair::vertices_near_bad(float wanted) const {
   std::vector<std::uint8_t> near(mesh_.vertex_count(), 0);
-  for (std::uint32_t t = 0; t < mesh_.half_edge_end(); t += 4)
+  for (std::uint32_t t = 0; t < mesh_.half_edge_end(); t += 4) {
+    mesh_.take_turn();
     if (mesh_.is_edge(t) && quality_of(mesh_, t) < wanted)
       for (std::uint32_t h = t; h < t + 3; ++h) near[mesh_.origin(h)] = 1;
+  }
   for (std::uint8_t ring = 1; ring <= 2; ++ring)
     for (std::uint32_t v = 0; v < mesh_.vertex_count(); ++v) {
       if (near[v] != ring || !mesh_.is_whole(v)) continue;
@@ -274,8 +276,7 @@ void Repair::relax(float wanted) {
 }  // namespace
 
 std::uint32_t repair(PatchMesh& mesh, const RemeshGoal& goal, float wanted, int passes) {
-  constexpr int kPassesBetween = 4;        // relaxations
-  constexpr std::uint32_t kUnasked = 128;  // triangles between two checkpoints
+  constexpr int kPassesBetween = 4;  // relaxations
   // A byte a triangle: whether it has changed since it was found good, or is not.
   std::vector<std::uint8_t> fresh(mesh.half_edge_end() / 4, 1);
   std::optional<Repair> work;
@@ -283,6 +284,7 @@ std::uint32_t repair(PatchMesh& mesh, const RemeshGoal& goal, float wanted, int 
     std::uint32_t left = 0;
     float worst = 1;
     for (std::uint32_t t = 0; t < mesh.half_edge_end(); t += 4) {
+      mesh.take_turn();
       if (!fresh[t / 4]) continue;
       const float quality = mesh.is_edge(t) ? quality_of(mesh, t) : 1.0f;
       fresh[t / 4] = quality < wanted;
@@ -290,7 +292,6 @@ std::uint32_t repair(PatchMesh& mesh, const RemeshGoal& goal, float wanted, int 
       ++left;
       worst = std::min(worst, quality);
       if (pass == passes) continue;
-      if (goal.backend && left % kUnasked == 0) goal.backend->checkpoint();
       if (!work) work.emplace(mesh, goal, fresh);
       work->repair_triangle(t);
     }

@@ -56,6 +56,7 @@ bool splits_well(const PatchMesh& mesh, std::uint32_t h, const SurfacePoint& poi
 void split_long_edges(PatchMesh& mesh, const RemeshGoal& goal, float longest) {
   const std::uint32_t end = mesh.half_edge_end();
   for (std::uint32_t h = 0; h < end; ++h) {
+    mesh.take_turn();
     if (!mesh.is_edge(h)) continue;
     const std::uint32_t t = mesh.twin(h), v = mesh.origin(h), w = mesh.target(h);
     if ((t != PatchMesh::kNone && t < h) || (!mesh.is_whole(v) && !mesh.is_whole(w))) continue;

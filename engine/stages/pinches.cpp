@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "backend/in_steps.h"
 #include "stages/adjacency.h"
 #include "stages/disjoint_sets.h"
 
@@ -47,11 +48,11 @@ void find_further_fans(const TriangleMesh& mesh, std::span<const std::uint32_t> 
 
 }  // namespace
 
-bool drop_repeated_edges(TriangleMesh& mesh) {
-  const VertexCorners at = vertex_corners(mesh);
+bool drop_repeated_edges(const Backend& backend, TriangleMesh& mesh) {
+  const VertexCorners at = vertex_corners(backend, mesh);
   std::vector<std::uint8_t> dropped(mesh.triangle_count(), 0);
   bool any = false;
-  for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
+  in_steps(backend, mesh.vertex_count(), [&](std::size_t v) {
     for (std::uint32_t i = at.first[v]; i < at.first[v + 1]; ++i)
       for (std::uint32_t j = at.first[v]; j < i; ++j) {
         const std::uint32_t a = at.corner[i], b = at.corner[j];
@@ -59,6 +60,7 @@ bool drop_repeated_edges(TriangleMesh& mesh) {
         dropped[a / 3] = dropped[b / 3] = 1;
         any = true;
       }
+  });
   if (!any) return false;
   std::size_t kept = 0;
   for (std::size_t t = 0; t < dropped.size(); ++t) {
@@ -72,7 +74,7 @@ bool drop_repeated_edges(TriangleMesh& mesh) {
 
 void split_pinches(Backend& backend, TriangleMesh& mesh) {
   constexpr std::size_t kTask = 4096;  // vertices
-  const VertexCorners at = vertex_corners(mesh);
+  const VertexCorners at = vertex_corners(backend, mesh);
   std::vector<std::vector<Fan>> found((mesh.vertex_count() + kTask - 1) / kTask);
   backend.run(found.size(), [&](std::size_t task) {
     const std::size_t end = std::min((task + 1) * kTask, mesh.vertex_count());

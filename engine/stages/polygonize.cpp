@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "backend/in_steps.h"
 #include "stages/defects.h"
 #include "stages/expand.h"
 #include "stages/finish.h"
@@ -104,7 +105,8 @@ Polygonizer::Polygonizer(Scheduler& scheduler, const Lattice& lattice,
       wanted_triangles_(static_cast<double>(parameters.edges.triangles)),
       base_(std::move(base)),
       limit_(distance_limit(scale)) {
-  for (std::size_t i = 0; i < base_.vertices.size(); ++i) base_.vertices[i] *= scale_[i % 3];
+  in_steps(backend_, base_.vertices.size(),
+           [&](std::size_t i) { base_.vertices[i] *= scale_[i % 3]; });
   base_area_ = area_of(backend_, base_);
   scheduler_.begin("sizes", Stage::sizing);
   sizing().on_host(View<const std::uint8_t>(lattice.state.view()));
@@ -165,10 +167,10 @@ double Polygonizer::base_share() const {
   if (places.empty()) return 0;
   const std::vector<std::uint8_t> within = vertices_in(backend_, Places(places), base_);
   std::vector<std::uint8_t> stays(base_.triangle_count());
-  for (std::size_t t = 0; t < stays.size(); ++t) {
+  in_steps(backend_, stays.size(), [&](std::size_t t) {
     const std::uint32_t* v = &base_.triangles[3 * t];
     stays[t] = within[v[0]] && within[v[1]] && within[v[2]];
-  }
+  });
   return area_of(backend_, part_of(backend_, base_, stays)) / base_area_;
 }
 
@@ -311,10 +313,10 @@ TriangleMesh Polygonizer::redone() {
   const TriangleMesh part = part_of(backend_, base_, choose_triangles(backend_, base_, within));
   const std::vector<std::uint8_t> near = vertices_in(backend_, wider(fresh, margin), last_);
   std::vector<std::uint8_t> kept(last_.triangle_count());
-  for (std::size_t t = 0; t < kept.size(); ++t) {
+  in_steps(backend_, kept.size(), [&](std::size_t t) {
     const std::uint32_t* v = &last_.triangles[3 * t];
     kept[t] = !near[v[0]] && !near[v[1]] && !near[v[2]];
-  }
+  });
   const TriangleMesh patches = joined(part_of(backend_, last_, kept),
                                       remesh_patches(relaxing(), field_.view(), sizes_.view(field_),
                                                      part, where_base_stays(fresh)));
@@ -339,13 +341,14 @@ TriangleMesh Polygonizer::front_over(const TriangleMesh& patches) {
 
   scheduler_.begin("stitch", Stage::stitch);
   Backend& stitching = scheduler_.backend_for(Stage::stitch);
-  if (drop_repeated_edges(front.mesh)) front.loops = find_gap_loops(stitching, front.mesh);
+  if (drop_repeated_edges(backend_, front.mesh))
+    front.loops = find_gap_loops(stitching, front.mesh);
   const StitchReport stitched =
       stitch_gaps(stitching, field_.view(), sizes_.view(field_), stitch_, front.loops, front.mesh);
   report_.gaps += stitched.loops;
   report_.gap_triangles +=
       static_cast<std::int64_t>(front.mesh.triangle_count() - stitched.first_triangle);
-  drop_repeated_edges(front.mesh);
+  drop_repeated_edges(backend_, front.mesh);
   split_pinches(backend_, front.mesh);
   return std::move(front.mesh);
 }

@@ -151,7 +151,7 @@ std::vector<Vec3> vertex_normals(Backend& backend, const TriangleMesh& mesh,
 }  // namespace
 
 PrincipalCurvatures principal_curvatures(Backend& backend, const TriangleMesh& mesh) {
-  const VertexCorners corners = vertex_corners(mesh);
+  const VertexCorners corners = vertex_corners(backend, mesh);
   const std::vector<Vec3> normals = vertex_normals(backend, mesh, corners);
   std::vector<FaceTensor> faces(mesh.triangle_count());
   for_each(backend, faces.size(), [&](std::size_t t) { faces[t] = face_tensor(mesh, t, normals); });

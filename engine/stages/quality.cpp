@@ -1,10 +1,13 @@
 #include "stages/quality.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <numbers>
 #include <numeric>
 
+#include "backend/in_steps.h"
 #include "stages/adjacency.h"
 #include "types/mesh_vertex.h"
 #include "types/vec3d.h"
@@ -81,7 +84,7 @@ struct EdgeFigures {
 
 EdgeFigures edge_figures(Backend& backend, const TriangleMesh& mesh,
                          const std::vector<float>& mean_edge) {
-  const VertexCorners corners = vertex_corners(mesh);
+  const VertexCorners corners = vertex_corners(backend, mesh);
   std::vector<EdgeFigures> parts(chunks(mesh.vertex_count()));
   backend.run(parts.size(), [&](std::size_t part) {
     const std::size_t end = std::min((part + 1) * kChunk, mesh.vertex_count());
@@ -96,39 +99,72 @@ EdgeFigures edge_figures(Backend& backend, const TriangleMesh& mesh,
   });
   EdgeFigures all;
   for (const EdgeFigures& part : parts) {
-    all.size_ratio.insert(all.size_ratio.end(), part.size_ratio.begin(), part.size_ratio.end());
-    all.dihedral.insert(all.dihedral.end(), part.dihedral.begin(), part.dihedral.end());
+    append_in_steps<float>(backend, part.size_ratio, all.size_ratio);
+    append_in_steps<float>(backend, part.dihedral, all.dihedral);
   }
   return all;
 }
 
+/// Numbers in the order of the floats that they stand for.
+std::uint32_t key_of(float value) {
+  const auto bits = std::bit_cast<std::uint32_t>(value + 0.0f);  // one zero
+  return bits >> 31 ? ~bits : bits | 0x80000000u;
+}
+float value_of(std::uint32_t key) {
+  return std::bit_cast<float>(key >> 31 ? key & 0x7fffffffu : ~key);
+}
+
+using Ranks = std::array<std::size_t, 3>;
+
+/// The bin that holds a rank, which becomes that within the bin.
+std::uint32_t bin_of(const std::vector<std::uint32_t>& counts, std::size_t& rank) {
+  std::uint32_t bin = 0;
+  for (; rank >= counts[bin]; ++bin) rank -= counts[bin];
+  return bin;
+}
+
+/// What stands at those ranks, from 0, among the values in order: the upper halves of the keys are
+/// counted, then the lower ones of those whose upper one is right.
+std::array<float, 3> values_at(const Backend& backend, std::span<const float> values, Ranks ranks) {
+  constexpr std::size_t kBins = 1 << 16;
+  std::vector<std::uint32_t> upper(kBins, 0);
+  in_steps(backend, values.size(), [&](std::size_t i) { ++upper[key_of(values[i]) >> 16]; });
+  std::array<std::uint32_t, 3> bin{};
+  for (std::size_t r = 0; r < 3; ++r) bin[r] = bin_of(upper, ranks[r]);
+  std::array<std::vector<std::uint32_t>, 3> lower;
+  lower.fill(std::vector<std::uint32_t>(kBins, 0));
+  in_steps(backend, values.size(), [&](std::size_t i) {
+    const std::uint32_t key = key_of(values[i]);
+    for (std::size_t r = 0; r < 3; ++r)
+      if (key >> 16 == bin[r]) ++lower[r][key & (kBins - 1)];
+  });
+  std::array<float, 3> found{};
+  for (std::size_t r = 0; r < 3; ++r)
+    found[r] = value_of(bin[r] << 16 | bin_of(lower[r], ranks[r]));
+  return found;
+}
+
 }  // namespace
 
-Distribution describe(std::vector<float>& values) {
+Distribution describe(const Backend& backend, std::span<const float> values) {
   if (values.empty()) return {};
   const auto count = static_cast<double>(values.size());
-  double sum = 0, squares = 0;
-  for (float value : values) sum += value;
-  const double mean = sum / count;
-  for (float value : values) squares += (value - mean) * (value - mean);
-  const auto rank = [&](double share) {
-    return values.begin() + static_cast<std::ptrdiff_t>(std::max(1.0, std::ceil(share * count))) -
-           1;
-  };
-  // The outer percentiles are sought on their own side of the median alone.
-  const auto low = rank(0.05), middle = rank(0.5), high = rank(0.95);
-  std::nth_element(values.begin(), middle, values.end());
   Distribution result;
-  result.median = *middle;
-  std::nth_element(values.begin(), low, middle);
-  result.percentile_5 = *low;
-  std::nth_element(middle, high, values.end());
-  result.percentile_95 = *high;
-  result.minimum = *std::min_element(values.begin(), low + 1);
-  result.maximum = *std::max_element(high, values.end());
-  result.mean = mean;
-  result.deviation = std::sqrt(squares / count);
-  return result;
+  double sum = 0, squares = 0;
+  float minimum = values[0], maximum = values[0];
+  in_steps(backend, values.size(), [&](std::size_t i) {
+    sum += values[i];
+    minimum = std::min(minimum, values[i]);
+    maximum = std::max(maximum, values[i]);
+  });
+  const double mean = sum / count;
+  in_steps(backend, values.size(),
+           [&](std::size_t i) { squares += (values[i] - mean) * (values[i] - mean); });
+  const auto rank = [&](double share) {
+    return static_cast<std::size_t>(std::max(1.0, std::ceil(share * count))) - 1;
+  };
+  const auto [low, middle, high] = values_at(backend, values, {rank(0.05), rank(0.5), rank(0.95)});
+  return {mean, std::sqrt(squares / count), minimum, low, middle, high, maximum};
 }
 
 Distribution describe_weighted(const std::vector<float>& values,
@@ -161,8 +197,9 @@ Distribution describe_weighted(const std::vector<float>& values,
 
 TriangleShapes triangle_shapes(Backend& backend, const TriangleMesh& mesh) {
   const std::size_t count = mesh.triangle_count();
-  TriangleShapes shapes{std::vector<float>(count), std::vector<float>(count),
-                        std::vector<float>(count)};
+  TriangleShapes shapes{filled_in_steps<float>(backend, count),
+                        filled_in_steps<float>(backend, count),
+                        filled_in_steps<float>(backend, count)};
   std::vector<double> area(chunks(count), 0), volume(chunks(count), 0);
   std::vector<std::int64_t> pairs(chunks(count), 0);
   if (count == 0) return shapes;
@@ -188,25 +225,28 @@ QualityReport measure_quality(Backend& backend, const TriangleMesh& mesh) {
   const std::size_t count = mesh.triangle_count();
   QualityReport report;
   if (count == 0) return report;
-  TriangleShapes shapes = triangle_shapes(backend, mesh);
+  const TriangleShapes shapes = triangle_shapes(backend, mesh);
   report.area = shapes.area;
   report.volume = shapes.volume;
   report.edges_within_15 = fraction(static_cast<std::size_t>(shapes.close_pairs), 3 * count);
-  const std::vector<float>& ratio = shapes.edge_ratio;
-  const auto share = [&](auto&& condition) {
-    return fraction(std::count_if(ratio.begin(), ratio.end(), condition), count);
-  };
-  report.edge_ratio_above_08 = share([](float tau) { return tau >= 0.8f; });
-  report.edge_ratio_below_03 = share([](float tau) { return tau < 0.3f; });
-  report.edge_ratio_below_01 = share([](float tau) { return tau < 0.1f; });
-  EdgeFigures edges = edge_figures(backend, mesh, shapes.mean_edge);
-  report.sharp_edges = std::count_if(edges.dihedral.begin(), edges.dihedral.end(),
-                                     [](float angle) { return angle < kSharp; });
+  std::size_t above_08 = 0, below_03 = 0, below_01 = 0;
+  in_steps(backend, count, [&](std::size_t t) {
+    const float tau = shapes.edge_ratio[t];
+    above_08 += tau >= 0.8f;
+    below_03 += tau < 0.3f;
+    below_01 += tau < 0.1f;
+  });
+  report.edge_ratio_above_08 = fraction(above_08, count);
+  report.edge_ratio_below_03 = fraction(below_03, count);
+  report.edge_ratio_below_01 = fraction(below_01, count);
+  const EdgeFigures edges = edge_figures(backend, mesh, shapes.mean_edge);
+  in_steps(backend, edges.dihedral.size(),
+           [&](std::size_t e) { report.sharp_edges += edges.dihedral[e] < kSharp; });
   backend.run(4, [&](std::size_t figure) {
-    if (figure == 0) report.edge_ratio = describe(shapes.edge_ratio);
-    if (figure == 1) report.least_angle = describe(shapes.least_angle);
-    if (figure == 2) report.size_ratio = describe(edges.size_ratio);
-    if (figure == 3) report.dihedral_angle = describe(edges.dihedral);
+    if (figure == 0) report.edge_ratio = describe(backend, shapes.edge_ratio);
+    if (figure == 1) report.least_angle = describe(backend, shapes.least_angle);
+    if (figure == 2) report.size_ratio = describe(backend, edges.size_ratio);
+    if (figure == 3) report.dihedral_angle = describe(backend, edges.dihedral);
   });
   return report;
 }

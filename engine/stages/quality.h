@@ -5,6 +5,7 @@
 /// angle, the angles between triangles, and how fast the size changes from one to the next.
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "backend/backend.h"
@@ -28,8 +29,8 @@ struct TriangleShapes {
 };
 TriangleShapes triangle_shapes(Backend& backend, const TriangleMesh& mesh);
 
-/// Mean, deviation and nearest-rank percentiles; reorders `values`.
-Distribution describe(std::vector<float>& values);
+/// Mean, deviation and nearest-rank percentiles.
+Distribution describe(const Backend& backend, std::span<const float> values);
 
 /// The same of values that count by their weights, none below zero: a percentile is the least value
 /// with that share of the weight at or below it. \pre both are of one length.

@@ -42,6 +42,7 @@ void smooth_off_field(PatchMesh& mesh, const RemeshGoal& goal) {
   Clearance clearance(mesh);
   std::vector<std::uint32_t> ring;
   for (std::uint32_t v : vertices) {
+    mesh.take_turn();
     mesh.points[v].normal = fan_normal(mesh, v);
     SurfacePoint moved = mesh.points[v];
     const float limit = std::min(kSine25, facing_fan_quality(mesh, v));
@@ -63,6 +64,7 @@ void equalise_carefully(PatchMesh& mesh, const RemeshGoal& goal,
   SurfacePoint moved;
   for (int pass = 0; pass < passes; ++pass)
     for (std::uint32_t v : vertices) {
+      mesh.take_turn();
       ring.clear();
       add_ring(mesh, v, ring);
       if (find_more_equal(goal, {mesh.points.data(), ring}, mesh.points[v], false, moved))
@@ -82,10 +84,12 @@ constexpr float kLeastMove = 0.02f, kMostMove = 0.2f;
 
 /// Gives the vertices off the field its normals, but not those that relaxation has moved.
 void take_normals(PatchMesh& mesh, const FieldView& field) {
-  for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v)
+  for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) {
+    mesh.take_turn();
     if (mesh.is_there(v) && mesh.is_inner(v) && !mesh.points[v].on_field &&
         mesh.points[v].drift == 0)
       take_normal(field, mesh.points[v]);
+  }
 }
 
 /// Whether v may go along its normal; `moved` is that place.
@@ -189,6 +193,7 @@ std::vector<float> Relaxer::gaps_of(const PatchMesh& part, std::size_t p,
     gaps[vertex_.view()[f] - start_.point[p]] = gaps_.view()[f];
   std::vector<std::uint32_t> ring;
   for (const std::uint32_t v : crowd.vertices) {
+    part.take_turn();
     if (!part.points[v].on_field) continue;
     ring.clear();
     add_ring(part, v, ring);
@@ -204,6 +209,7 @@ std::vector<float> Relaxer::gaps_of(const PatchMesh& part, std::size_t p,
 void Relaxer::fit_part(PatchMesh& part, const std::vector<float>& gaps, Crowd& crowd) {
   SurfacePoint moved;
   for (std::uint32_t v = 0; v < part.vertex_count(); ++v) {
+    part.take_turn();
     if (gaps[v] == 0 || !find_fit(part, v, gaps[v], moved)) continue;
     if (crowd.held[v])
       crowd.clearance->move_if_clear(part, v, moved);
@@ -217,6 +223,7 @@ Relaxer::Fans Relaxer::fans_of(const PatchMesh& part, std::size_t p, const Chose
   std::vector<std::uint32_t> vertex, level, ring_first{0}, ring;
   std::vector<std::uint32_t> level_at(part.vertex_count(), 0), size;
   for (std::uint32_t v = 0; v < part.vertex_count(); ++v) {
+    part.take_turn();
     if (!part.is_there(v) || !chosen(p, v)) continue;
     add_ring(part, v, ring);
     std::uint32_t above = 0;

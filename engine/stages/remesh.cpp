@@ -33,9 +33,7 @@ void run_rounds(Backend& backend, const RemeshGoal& goal, int rounds, int repair
     const std::vector<PatchMesh*> parts = blocks.parts();
     for_each_part(backend, parts, [&](PatchMesh& part) {
       split_long_edges(part, goal, kLongest);
-      backend.checkpoint();  // parts of many small shells are large
       collapse_short_edges(part, kShortest, kLongest);
-      backend.checkpoint();
       flip_to_valence(part, 3);
     });
     relaxer.smooth(parts, 2);
@@ -48,12 +46,9 @@ void run_rounds(Backend& backend, const RemeshGoal& goal, int rounds, int repair
 /// The surface from its base, as far as the places allow.
 WorkingSurface remesh_base(Backend& backend, const RemeshGoal& goal, const TriangleMesh& mesh) {
   WorkingSurface surface = make_working_surface(backend, goal, mesh);
-  fix_places(goal, surface);
+  fix_places(backend, goal, surface);
   for_each_block(backend, {kFineBlock, 0.5f}, surface, [&](PatchMesh& part) {
-    for (float shortest : kCoarsening) {
-      collapse_short_edges(part, shortest, kLongest);
-      backend.checkpoint();
-    }
+    for (float shortest : kCoarsening) collapse_short_edges(part, shortest, kLongest);
   });
   run_rounds(backend, goal, kRounds, kRepairedRounds, surface);
   return surface;
@@ -64,7 +59,7 @@ WorkingSurface remesh_base(Backend& backend, const RemeshGoal& goal, const Trian
 TriangleMesh remesh(Backend& backend, const FieldView& field, const SizeView& sizes,
                     const TriangleMesh& mesh, std::span<const CarefulPlace> places) {
   const Places careful(places);
-  const RemeshGoal goal = {field, sizes, &careful, false, &backend};
+  const RemeshGoal goal = {field, sizes, &careful, false};
   WorkingSurface surface = remesh_base(backend, goal, mesh);
   finish(backend, goal, surface);
   return make_mesh(backend, surface);
@@ -73,13 +68,13 @@ TriangleMesh remesh(Backend& backend, const FieldView& field, const SizeView& si
 TriangleMesh remesh_patches(Backend& backend, const FieldView& field, const SizeView& sizes,
                             const TriangleMesh& mesh, std::span<const CarefulPlace> places) {
   const Places careful(places);
-  return make_mesh(backend, remesh_base(backend, {field, sizes, &careful, false, &backend}, mesh));
+  return make_mesh(backend, remesh_base(backend, {field, sizes, &careful, false}, mesh));
 }
 
 TriangleMesh remesh_places(Backend& backend, const FieldView& field, const SizeView& sizes,
                            const TriangleMesh& mesh, std::span<const CarefulPlace> places) {
   const Places careful(places);
-  const RemeshGoal goal = {field, sizes, &careful, true, &backend};
+  const RemeshGoal goal = {field, sizes, &careful, true};
   WorkingSurface surface = make_working_surface(backend, goal, mesh);
   run_rounds(backend, goal, kPlaceRounds, kRepairedRounds, surface);
   finish(backend, goal, surface);

@@ -103,7 +103,7 @@ std::vector<Vec3> uneven_triangles(const TriangleMesh& mesh, const Places& withi
 std::vector<Vec3> sharp_edges(Backend& backend, const TriangleMesh& mesh, const Places& within) {
   constexpr std::size_t kTask = 4096;
   const std::size_t count = mesh.vertex_count();
-  const VertexCorners corners = vertex_corners(mesh);
+  const VertexCorners corners = vertex_corners(backend, mesh);
   const auto normal_of = [&](std::uint32_t c) {
     const std::uint32_t* v = &mesh.triangles[c / 3 * 3];
     const Vec3 a = vertex_at(mesh, v[0]);

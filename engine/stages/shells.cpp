@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "backend/in_steps.h"
 #include "stages/adjacency.h"
 #include "stages/rays.h"
 
@@ -29,14 +30,15 @@ double six_volumes(const TriangleMesh& mesh, std::size_t triangle, const float* 
 }
 
 /// The vertex of largest x of each shell, the first among equals.
-std::vector<std::uint32_t> farthest_vertices(const TriangleMesh& mesh, const Shells& shells) {
+std::vector<std::uint32_t> farthest_vertices(const Backend& backend, const TriangleMesh& mesh,
+                                             const Shells& shells) {
   std::vector<std::uint32_t> farthest(shells.shells.size());
   for (std::size_t s = 0; s < farthest.size(); ++s) farthest[s] = shells.shells[s].first_vertex;
-  for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
+  in_steps(backend, mesh.vertex_count(), [&](std::size_t v) {
     const std::uint32_t s = shells.shell_of[v];
     if (s != Shells::kNone && vertex(mesh, v)[0] > vertex(mesh, farthest[s])[0])
       farthest[s] = static_cast<std::uint32_t>(v);
-  }
+  });
   return farthest;
 }
 
@@ -56,9 +58,9 @@ Shells find_shells(Backend& backend, const TriangleMesh& mesh,
                    const std::vector<std::uint8_t>& valid, const ManifoldCounts& manifold) {
   const std::vector<std::uint32_t> root = connect_vertices(backend, mesh, valid);
   Shells result;
-  result.shell_of.assign(mesh.vertex_count(), Shells::kNone);
-  for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
-    if (!valid[t]) continue;
+  resize_in_steps(backend, mesh.vertex_count(), result.shell_of, Shells::kNone);
+  in_steps(backend, mesh.triangle_count(), [&](std::size_t t) {
+    if (!valid[t]) return;
     std::uint32_t& shell = result.shell_of[root[mesh.triangles[3 * t]]];
     if (shell == Shells::kNone) {
       shell = static_cast<std::uint32_t>(result.shells.size());
@@ -69,20 +71,20 @@ Shells find_shells(Backend& backend, const TriangleMesh& mesh,
     ++s.triangles;
     const double volume = six_volumes(mesh, t, vertex(mesh, s.first_vertex)) / 6;
     if (std::isfinite(volume)) s.volume += volume;
-  }
-  for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
+  });
+  in_steps(backend, mesh.vertex_count(), [&](std::size_t v) {
     const std::uint32_t shell = result.shell_of[v] = result.shell_of[root[v]];
-    if (shell == Shells::kNone) continue;
+    if (shell == Shells::kNone) return;
     ++result.shells[shell].vertices;
     result.shells[shell].edges += manifold.edges_up[v];
-  }
+  });
   return result;
 }
 
 void find_nesting(Backend& backend, const TriangleMesh& mesh, const TriangleTree& tree,
                   Shells& shells) {
   if (shells.shells.size() < 2 || tree.empty()) return;
-  const std::vector<std::uint32_t> farthest = farthest_vertices(mesh, shells);
+  const std::vector<std::uint32_t> farthest = farthest_vertices(backend, mesh, shells);
   const RayCaster rays(mesh, tree);
   for_each_shell(backend, shells, [&](std::uint32_t s) {
     bool odd = false;

@@ -6,6 +6,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "backend/in_steps.h"
 #include "stages/adjacency.h"
 #include "stages/lower_to.h"
 #include "types/mesh_vertex.h"
@@ -25,18 +26,18 @@ SurfaceSamples first_vertices(Backend& backend, const FieldView& field,
                               const TriangleMesh& surface) {
   const std::size_t cells = field.coefficients.size / kBrickCells * kCells;
   const std::size_t count = surface.vertex_count();
-  std::vector<std::uint32_t> first(cells + 1, kNoVertex);
+  auto first = filled_in_steps(backend, cells + 1, kNoVertex);
   backend.run((count + kVertexGrain - 1) / kVertexGrain, [&](std::size_t task) {
     const std::size_t end = std::min((task + 1) * kVertexGrain, count);
     for (std::size_t v = task * kVertexGrain; v < end; ++v)
       lower_to(first[size_cell(field, vertex_at(surface, v))], static_cast<std::uint32_t>(v));
   });
   SurfaceSamples samples;
-  for (std::size_t cell = 0; cell < cells; ++cell) {
-    if (first[cell] == kNoVertex) continue;
+  in_steps(backend, cells, [&](std::size_t cell) {
+    if (first[cell] == kNoVertex) return;
     samples.cell.push_back(static_cast<std::uint32_t>(cell));
     samples.position.push_back(vertex_at(surface, first[cell]));
-  }
+  });
   samples.normal.resize(samples.count());
   samples.radius.resize(samples.count());
   return samples;
@@ -201,17 +202,20 @@ void smooth_radii(Backend& backend, const IndicatorField& field, SurfaceSamples&
   constexpr std::size_t kGrain = 32;
   const std::int32_t* near = field.neighbours.view().data();
   const std::size_t bricks = field.brick_count();
-  std::vector<float> curvature(bricks * kCells, kNoValue);
-  for (std::size_t i = 0; i < samples.count(); ++i)
+  auto curvature = filled_in_steps(backend, bricks * kCells, kNoValue);
+  in_steps(backend, samples.count(), [&](std::size_t i) {
     if (samples.radius[i] > 0) curvature[samples.cell[i]] = 1 / samples.radius[i];
-  std::vector<float> smooth = curvature;
+  });
+  std::vector<float> smooth;
+  append_in_steps<float>(backend, curvature, smooth);
   backend.run((bricks + kGrain - 1) / kGrain, [&](std::size_t task) {
     const std::size_t end = std::min((task + 1) * kGrain, bricks);
     for (std::size_t b = task * kGrain; b < end; ++b)
       average(SizeHalo(near + 27 * b, curvature.data(), kNoValue), kNoValue, &smooth[kCells * b]);
   });
-  for (std::size_t i = 0; i < samples.count(); ++i)
+  in_steps(backend, samples.count(), [&](std::size_t i) {
     if (samples.radius[i] > 0) samples.radius[i] = 1 / smooth[samples.cell[i]];
+  });
 }
 
 /// Vertices of a shell that follow one another, and the box round them.
@@ -248,7 +252,8 @@ std::vector<ShellRun> whole_shells(Backend& backend, const TriangleMesh& surface
   });
   std::unordered_map<std::uint32_t, std::size_t> index;  // of a shell in:
   std::vector<ShellRun> shells;
-  for (const std::vector<ShellRun>& some : runs)
+  for (const std::vector<ShellRun>& some : runs) {
+    backend.checkpoint();
     for (const ShellRun& run : some) {
       const auto [found, fresh] = index.try_emplace(run.shell, shells.size());
       if (fresh)
@@ -256,6 +261,7 @@ std::vector<ShellRun> whole_shells(Backend& backend, const TriangleMesh& surface
       else
         shells[found->second].take_in(run);
     }
+  }
   return shells;
 }
 
@@ -271,17 +277,18 @@ void bound_by_shells(Backend& backend, const FieldView& field, const TriangleMes
     radius[whole.shell] = whole.radius();
   }
   if (radius.empty()) return;
-  std::vector<float> bound(field.coefficients.size / kBrickCells * kCells, kSmallShell);
-  for (std::size_t v = 0; v < shell.size(); ++v) {
-    if (radius[shell[v]] >= kSmallShell) continue;
+  auto bound =
+      filled_in_steps(backend, field.coefficients.size / kBrickCells * kCells, kSmallShell);
+  in_steps(backend, shell.size(), [&](std::size_t v) {
+    if (radius[shell[v]] >= kSmallShell) return;
     float& here = bound[size_cell(field, vertex_at(surface, v))];
     here = std::min(here, radius[shell[v]]);
-  }
-  for (std::size_t i = 0; i < samples.count(); ++i) {
+  });
+  in_steps(backend, samples.count(), [&](std::size_t i) {
     const float most = bound[samples.cell[i]];
     if (most < kSmallShell && !(samples.radius[i] > 0 && samples.radius[i] < most))
       samples.radius[i] = most;
-  }
+  });
 }
 
 /// Sum over the triangles of their area over that of an equilateral one of the size there.
@@ -405,9 +412,10 @@ void apply_rule(Backend& backend, const IndicatorField& field, const TriangleMes
   sizes.largest = rule.edge_max;
   const auto values = backend.on_host(sizes.sizes.view());
   std::fill(values.begin(), values.end(), rule.edge_max);
-  for (std::size_t i = 0; i < sizes.samples.count(); ++i)
+  in_steps(backend, sizes.samples.count(), [&](std::size_t i) {
     values[sizes.samples.cell[i]] =
         place_factor(places, sizes.samples.position[i]) * size_for(rule, sizes.samples.radius[i]);
+  });
   grow_limited(backend, field, rule.gradation, sizes.sizes);
   sizes.predicted_triangles = predict_triangles(backend, sizes.view(field), surface);
 }

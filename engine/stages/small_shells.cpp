@@ -25,8 +25,10 @@ double six_volumes(const PatchMesh& mesh, const Vec3& origin,
 /// The lowest vertex of the shell of each vertex.
 std::vector<std::uint32_t> roots_of(const PatchMesh& mesh) {
   DisjointSets joined(mesh.vertex_count());
-  for (std::uint32_t h = 0; h < mesh.half_edge_end(); ++h)
+  for (std::uint32_t h = 0; h < mesh.half_edge_end(); ++h) {
+    mesh.take_turn();
     if (mesh.is_edge(h)) joined.unite(mesh.origin(h), mesh.target(h));
+  }
   return std::move(joined).roots();
 }
 
@@ -50,6 +52,7 @@ SmallShells::SmallShells(const PatchMesh& mesh)
     found[shell].faces.push_back(h);
   }
   for (Shell& shell : found) {
+    mesh.take_turn();
     if (!is_small(mesh, shell)) continue;
     for (const std::uint32_t h : shell.faces)
       for (const std::uint32_t v : mesh.corners(h))

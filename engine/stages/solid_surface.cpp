@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "backend/in_steps.h"
 #include "types/lattice_access.h"
 #include "types/marching_cube.h"
 
@@ -22,15 +23,17 @@ constexpr std::size_t kWords = kBrickCells / 64;
 class FaceNumbers {
  public:
   FaceNumbers(Backend& backend, View<const std::uint8_t> state)
-      : words_(state.size / 64), first_(state.size / 64 + 1) {
+      : words_(filled_in_steps<std::uint64_t>(backend, state.size / 64)),
+        first_(filled_in_steps<std::uint32_t>(backend, state.size / 64 + 1)) {
     constexpr std::size_t kTask = kBricks * kWords;
     backend.run((words_.size() + kTask - 1) / kTask, [&](std::size_t task) {
       for (std::size_t w = task * kTask; w < std::min((task + 1) * kTask, words_.size()); ++w)
         for (std::size_t eight = 0; eight < 8; ++eight)
           words_[w] |= face_bits(state.data() + 64 * w + 8 * eight) << 8 * eight;
     });
-    for (std::size_t w = 0; w < words_.size(); ++w)
+    in_steps(backend, words_.size(), [&](std::size_t w) {
       first_[w + 1] = first_[w] + static_cast<std::uint32_t>(std::popcount(words_[w]));
+    });
   }
 
   std::size_t count() const { return first_.back(); }
@@ -163,7 +166,7 @@ SolidSurface marching_cubes_of(Backend& backend, const Lattice& lattice, const S
   const FaceNumbers faces(backend, state);
   SolidSurface surface;
   std::vector<float>& vertices = surface.all.vertices;
-  vertices.resize(3 * faces.count());
+  resize_in_steps(backend, 3 * faces.count(), vertices);
   std::vector<Part> parts((bricks.count + kBricks - 1) / kBricks);
   backend.run(parts.size(), [&](std::size_t part) {
     for (std::size_t b = part * kBricks; b < std::min((part + 1) * kBricks, bricks.count); ++b) {
@@ -178,11 +181,10 @@ SolidSurface marching_cubes_of(Backend& backend, const Lattice& lattice, const S
       add_polygons(bricks, state, b, faces, parts[part]);
     }
   });
-  surface.common.vertices = vertices;
+  append_in_steps<float>(backend, vertices, surface.common.vertices);
   for (const Part& part : parts) {
-    auto &all = surface.all.triangles, &common = surface.common.triangles;
-    all.insert(all.end(), part.all.begin(), part.all.end());
-    common.insert(common.end(), part.common.begin(), part.common.end());
+    append_in_steps<std::uint32_t>(backend, part.all, surface.all.triangles);
+    append_in_steps<std::uint32_t>(backend, part.common, surface.common.triangles);
   }
   return surface;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "backend/in_steps.h"
 #include "types/volume.h"
 #include "vasamesh/errors.h"
 
@@ -62,8 +63,8 @@ TriangleMesh extract_base_surface(Backend& backend, const Lattice& lattice) {
                        crossed.view(), node_start.view(), vertex_start.view(),
                        triangle_start.view(), vertices.view(), triangles.view());
   TriangleMesh mesh;
-  mesh.vertices.resize(vertices.size());
-  mesh.triangles.resize(triangles.size());
+  resize_in_steps(backend, vertices.size(), mesh.vertices);
+  resize_in_steps(backend, triangles.size(), mesh.triangles);
   backend.download<float>(vertices.view(), mesh.vertices);
   backend.download<std::uint32_t>(triangles.view(), mesh.triangles);
   return mesh;

@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <limits>
-#include <numeric>
 #include <utility>
+
+#include "backend/in_steps.h"
 
 namespace vasamesh {
 
@@ -54,17 +55,18 @@ std::uint32_t morton_key(const Box& box, const Box& whole, float scale) {
 }
 
 /// Stable sort by the 30 bits of the keys.
-void sort_by_key(std::vector<Keyed>& items) {
+void sort_by_key(const Backend& backend, std::vector<Keyed>& items) {
   constexpr int kDigit = 10;
-  std::vector<Keyed> other(items.size());
+  auto other = filled_in_steps<Keyed>(backend, items.size());
   for (int shift = 0; shift < 30; shift += kDigit) {
     std::array<std::uint32_t, (1 << kDigit) + 1> start{};
     const auto digit = [shift](const Keyed& item) {
       return item.key >> shift & ((1u << kDigit) - 1);
     };
-    for (const Keyed& item : items) ++start[digit(item) + 1];
+    in_steps(backend, items.size(), [&](std::size_t i) { ++start[digit(items[i]) + 1]; });
     for (int d = 0; d < 1 << kDigit; ++d) start[d + 1] += start[d];
-    for (const Keyed& item : items) other[start[digit(item)]++] = item;
+    in_steps(backend, items.size(),
+             [&](std::size_t i) { other[start[digit(items[i])]++] = items[i]; });
     items.swap(other);
   }
 }
@@ -79,7 +81,7 @@ void set_box(BoxNode& node, std::size_t i, const Box& box) {
 /// Nodes over `count` boxes, eight each.
 template <class BoxOf>
 std::vector<BoxNode> make_level(Backend& backend, std::size_t count, const BoxOf& box) {
-  std::vector<BoxNode> nodes((count + 7) / 8);
+  auto nodes = filled_in_steps<BoxNode>(backend, (count + 7) / 8);
   backend.run(chunks(nodes.size()), [&](std::size_t chunk) {
     const std::size_t end = std::min((chunk + 1) * kChunk, nodes.size());
     for (std::size_t n = chunk * kChunk; n < end; ++n)
@@ -93,8 +95,9 @@ std::vector<std::uint32_t> morton_order(Backend& backend, const TriangleMesh& me
                                         const std::vector<std::uint8_t>& keep) {
   std::vector<Keyed> items;
   items.reserve(mesh.triangle_count());
-  for (std::size_t t = 0; t < mesh.triangle_count(); ++t)
+  in_steps(backend, mesh.triangle_count(), [&](std::size_t t) {
     if (keep.empty() || keep[t]) items.push_back({0, static_cast<std::uint32_t>(t)});
+  });
   std::vector<Box> part(chunks(items.size()), kNothing);
   const auto for_items = [&](std::size_t chunk, const auto& visit) {
     const std::size_t end = std::min((chunk + 1) * kChunk, items.size());
@@ -119,9 +122,9 @@ std::vector<std::uint32_t> morton_order(Backend& backend, const TriangleMesh& me
     for_items(chunk,
               [&](Keyed& item, const Box& box) { item.key = morton_key(box, whole, scale); });
   });
-  sort_by_key(items);
-  std::vector<std::uint32_t> order(items.size());
-  for (std::size_t i = 0; i < items.size(); ++i) order[i] = items[i].triangle;
+  sort_by_key(backend, items);
+  auto order = filled_in_steps<std::uint32_t>(backend, items.size());
+  in_steps(backend, items.size(), [&](std::size_t i) { order[i] = items[i].triangle; });
   return order;
 }
 
@@ -159,8 +162,8 @@ TriangleTree build_triangle_tree(Backend& backend, const TriangleMesh& mesh,
 }
 
 TriangleTree build_tree_in_order(Backend& backend, const TriangleMesh& mesh) {
-  std::vector<std::uint32_t> order(mesh.triangle_count());
-  std::iota(order.begin(), order.end(), 0u);
+  auto order = filled_in_steps<std::uint32_t>(backend, mesh.triangle_count());
+  in_steps(backend, order.size(), [&](std::size_t i) { order[i] = static_cast<std::uint32_t>(i); });
   return tree_over(backend, mesh, std::move(order));
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "backend/in_steps.h"
 #include "stages/intersect.h"
 #include "stages/manifold.h"
 #include "stages/pieces.h"
@@ -16,16 +17,17 @@ namespace {
 
 constexpr std::size_t kChunk = 32768;  // triangles a task takes
 
-void require_indices(const TriangleMesh& mesh) {
+void require_indices(const Backend& backend, const TriangleMesh& mesh) {
   if (mesh.vertices.size() % 3 != 0 || mesh.triangles.size() % 3 != 0)
     throw Error(ErrorCode::bad_input,
                 "the surface is cut short: its numbers are not in threes; write it anew");
   const std::uint32_t count = static_cast<std::uint32_t>(mesh.vertex_count());
-  for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+  in_steps(backend, mesh.triangles.size(), [&](std::size_t i) {
     if (mesh.triangles[i] >= count)
       throw Error(ErrorCode::bad_input, "triangle " + std::to_string(i / 3) + " names vertex " +
                                             std::to_string(mesh.triangles[i]) + " of " +
                                             std::to_string(count) + "; write the surface anew");
+  });
 }
 
 /// What a triangle can take part in.
@@ -53,7 +55,7 @@ TriangleState state_of(const TriangleMesh& mesh, std::size_t t, bool& degenerate
 /// States of all triangles; counts the degenerate ones.
 std::vector<std::uint8_t> triangle_states(Backend& backend, const TriangleMesh& mesh,
                                           CheckReport& report) {
-  std::vector<std::uint8_t> states(mesh.triangle_count());
+  auto states = filled_in_steps<std::uint8_t>(backend, mesh.triangle_count());
   std::vector<std::int64_t> degenerate((states.size() + kChunk - 1) / kChunk, 0);
   backend.run(degenerate.size(), [&](std::size_t chunk) {
     for (std::size_t t = chunk * kChunk; t < std::min((chunk + 1) * kChunk, states.size()); ++t) {
@@ -66,9 +68,10 @@ std::vector<std::uint8_t> triangle_states(Backend& backend, const TriangleMesh& 
   return states;
 }
 
-std::vector<std::uint8_t> at_least(const std::vector<std::uint8_t>& states, TriangleState state) {
-  std::vector<std::uint8_t> chosen(states.size());
-  for (std::size_t t = 0; t < states.size(); ++t) chosen[t] = states[t] >= state;
+std::vector<std::uint8_t> at_least(const Backend& backend, const std::vector<std::uint8_t>& states,
+                                   TriangleState state) {
+  auto chosen = filled_in_steps<std::uint8_t>(backend, states.size());
+  in_steps(backend, states.size(), [&](std::size_t t) { chosen[t] = states[t] >= state; });
   return chosen;
 }
 
@@ -124,23 +127,23 @@ std::string reason_of(const CheckReport& r) {
 }  // namespace
 
 CheckReport check_surface(Backend& backend, const TriangleMesh& mesh, const SolidMatch* wanted) {
-  require_indices(mesh);
+  require_indices(backend, mesh);
   CheckReport report;
   report.vertices = static_cast<std::int64_t>(mesh.vertex_count());
   report.triangles = static_cast<std::int64_t>(mesh.triangle_count());
-  for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
-    report.nonfinite_vertices += !finite(mesh, v);
+  in_steps(backend, mesh.vertex_count(),
+           [&](std::size_t v) { report.nonfinite_vertices += !finite(mesh, v); });
 
   const std::vector<std::uint8_t> states = triangle_states(backend, mesh, report);
   Shells shells;
   TriangleTree tree;
   backend.run(2, [&](std::size_t half) {  // each half has work of one thread alone
     if (half == 0) {
-      const ManifoldCounts manifold = count_manifold(backend, mesh, vertex_corners(mesh));
+      const ManifoldCounts manifold = count_manifold(backend, mesh, vertex_corners(backend, mesh));
       take(manifold, report);
-      shells = find_shells(backend, mesh, at_least(states, kUnusable), manifold);
+      shells = find_shells(backend, mesh, at_least(backend, states, kUnusable), manifold);
     } else {
-      tree = build_triangle_tree(backend, mesh, at_least(states, kWhole));
+      tree = build_triangle_tree(backend, mesh, at_least(backend, states, kWhole));
     }
   });
   report.intersecting_pairs = find_intersections(backend, mesh, tree).count;

@@ -12,6 +12,8 @@ namespace vasamesh {
 
 namespace {
 
+constexpr std::uint32_t kFansAsked = 64;  // between two checkpoints
+
 /// When vertices have moved, and fans were found to have no move left, counted in visits of a part.
 /// A fan of which nothing has moved since would be found so again.
 class Rest {
@@ -80,6 +82,7 @@ void TbbBackend::relax_smooth(const FieldView& field, const SizeView& sizes,
   const RemeshGoal goal = {field, sizes, &careful};
   for_each(fans.parts(), 1, [&](std::size_t part) {
     for_each_fan(fans, part, passes, [&](std::uint32_t fan) {
+      if (fan % kFansAsked == 0) checkpoint();
       smooth_vertex(goal, ring_of(fans, points.data(), fan), points[fans.vertex[fan]]);
     });
   });
@@ -95,6 +98,7 @@ void TbbBackend::relax_equalise(const FieldView& field, const SizeView& sizes,
     SurfacePoint moved;
     std::uint32_t visit = 0;
     for_each_fan(fans, part, passes, [&](std::uint32_t fan) {
+      if (fan % kFansAsked == 0) checkpoint();
       const std::uint32_t v = fans.vertex[fan];
       const Ring ring = ring_of(fans, points.data(), fan);
       ++visit;
