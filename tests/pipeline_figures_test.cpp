@@ -120,6 +120,23 @@ TEST_P(Accuracy, NearTheExactSurfaceAndOfItsVolume) {
 
 INSTANTIATE_TEST_SUITE_P(Shards, Accuracy, ::testing::Range(0, kAccuracyShards));
 
+/// A coil of a tube whose slices are six times as thick as its pixels are wide: its volume over that
+/// of its voxels.
+TEST(ThickSlices, ThinVesselsKeepTheirVolume) {
+  for (const auto& [radius, share] : {std::pair{1.5, 0.81}, {2.0, 0.91}, {3.0, 0.965}}) {
+    SCOPED_TRACE(radius);
+    PhantomOptions options;
+    options.spacing = {0.5, 0.5, 3};
+    options.radius = radius;
+    const Phantom phantom = make_phantom("helix", options);
+    const Result result = convert(phantom.view(), {}, context());
+    expect_proven(result, phantom.view(), Connectivity::vertex);
+    const double voxels = 0.75 * static_cast<double>(result.report.input.object_voxels);
+    EXPECT_GE(result.report.quality.volume, share * voxels);
+    EXPECT_LE(result.report.quality.volume, voxels);
+  }
+}
+
 class RandomTrees : public ::testing::TestWithParam<int> {};
 
 TEST_P(RandomTrees, Proven) {

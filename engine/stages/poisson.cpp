@@ -20,6 +20,14 @@ int finest_solved(const Octree& octree, const Parameters& parameters) {
   return parameters.depth == 0 ? octree.levels.back().exponent : regular_depth - parameters.depth;
 }
 
+/// The splatting kernels, no narrower than the finest cells where these are larger than voxels.
+Kernel kernel_of(const Scale& scale, const Parameters& parameters, int finest) {
+  const float fine = std::min(*std::min_element(scale.begin(), scale.end()) / kFineSpacing, 1.0f);
+  const float least = finest > 0 ? std::ldexp(1.0f, finest) : 0.0f;
+  const auto thick = static_cast<float>(parameters.kernel_width);
+  return {std::max(std::min(kThinKernel * (fine * fine), thick), least), std::max(thick, least)};
+}
+
 std::size_t most_bricks(const Octree& octree) {
   std::size_t most = 0;
   for (const OctreeLevel& level : octree.levels) most = std::max(most, level.bricks.count);
@@ -165,10 +173,7 @@ SolveOutcome conjugate_gradient(Backend& backend, const LevelView& level,
 
 void assemble_poisson(Backend& backend, const PointCloud& points, const Scale& scale,
                       const Parameters& parameters, Octree& octree) {
-  const float least = std::ldexp(1.0f, std::max(0, finest_solved(octree, parameters)));
-  const auto width = [&](float knots) { return std::max(knots, least); };
-  const Kernel kernel = {width(std::min(kThinKernel, static_cast<float>(parameters.kernel_width))),
-                         width(static_cast<float>(parameters.kernel_width))};
+  const Kernel kernel = kernel_of(scale, parameters, finest_solved(octree, parameters));
   for (OctreeLevel& level : octree.levels) {
     if (level.exponent > 0) continue;
     const LevelPoints index = index_points(backend, level, points);
