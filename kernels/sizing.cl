@@ -32,8 +32,9 @@ static float3 sizing_tangent(float3 n) {
   return vec_normalised((float3)(n.y, -n.x, 0.0f));
 }
 
-/// The least of the radii in six directions, at the first ring where it is not beyond the ring.
-static float sizing_radius(const Field *field, float3 p, float3 normal) {
+/// The least of the radii in six directions, at the first ring where it is not beyond the ring, or
+/// ample.
+static float sizing_radius(const Field *field, float3 p, float3 normal, float ample) {
   const float rings[4] = {1.0f, 1.0f, 2.0f, 3.0f};
   const float cosine[6] = {1.0f, 0.5f, -0.5f, -1.0f, -0.5f, 0.5f};
   const float sine[6] = {0.0f, 0.8660254f, 0.8660254f, 0.0f, -0.8660254f, -0.8660254f};
@@ -56,14 +57,15 @@ static float sizing_radius(const Field *field, float3 p, float3 normal) {
     if (!(here > 0) && far > 0) break;
     least = here;
     far += step;
-    if (least < far * far) break;
+    if (least < far * far || least >= ample * ample) break;
   }
   return sqrt(least);
 }
 
 /// A work-item a sample.
 kernel __attribute__((PLAIN_ELEMENT_GROUP)) void sizing_measure(
-    ulong count, FIELD_VIEW, VIEW(float, positions), VIEW(float, normals), VIEW(float, radii)) {
+    ulong count, float ample, FIELD_VIEW, VIEW(float, positions), VIEW(float, normals),
+    VIEW(float, radii)) {
   const size_t i = get_global_id(0);
   if (i >= count) return;
   const Field field = TAKE_FIELD;
@@ -76,5 +78,5 @@ kernel __attribute__((PLAIN_ELEMENT_GROUP)) void sizing_measure(
   const float3 normal = at.known ? -vec_normalised(at.gradient) : (float3)(0.0f);
   if (at.known) vstore3(p, i, positions);
   vstore3(normal, i, normals);
-  radii[i] = at.known ? sizing_radius(&field, p, normal) : 0.0f;
+  radii[i] = at.known ? sizing_radius(&field, p, normal, ample) : 0.0f;
 }

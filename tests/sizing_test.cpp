@@ -49,6 +49,28 @@ TEST(Sizing, RadiusOfSpheres) {
   }
 }
 
+/// Radii that are known to be ample at a short distance are not sought for at longer ones.
+TEST(Sizing, AmpleRadiiNeedNotBeRight) {
+  for (const float radius : {2.0f, 8.0f}) {
+    const AnalyticScene scene(backend(), {24, 24, 24}, ball({12.1f, 11.8f, 12.3f}, radius));
+    const float ample = ample_radius({});
+    EXPECT_FLOAT_EQ(ample, 4);
+    const SizeField all = make_sizes(backend(), scene.field, scene.surface, {});
+    const SizeField made = make_sizes(backend(), scene.field, scene.surface, {}, ample);
+    EXPECT_EQ(all.samples.radius == made.samples.radius, radius < ample);
+    for (const float found : made.samples.radius) EXPECT_NEAR(found, radius, 0.2f * radius);
+    for (std::size_t i = 0; i < all.sizes.size(); ++i)
+      ASSERT_EQ(all.sizes.view()[i], made.sizes.view()[i]);
+  }
+}
+
+TEST(Sizing, TheAmpleRadiusGoesByTheRule) {
+  EXPECT_FLOAT_EQ(ample_radius({.rho = 0.5f, .edge_max = 3}), 1.5f * 3 / 0.5f);
+  EXPECT_FLOAT_EQ(ample_radius({.chord_error = 0.05f, .edge_max = 2}), 1.5f * 4 / (8 * 0.05f));
+  EXPECT_FLOAT_EQ(ample_radius({.rho = 2, .edge_max = 2}), 1.5f * 2 / 1.25f);
+  EXPECT_EQ(ample_radius({.rho = 1e-9f, .edge_max = 2}), kLargestRadius);
+}
+
 TEST(Sizing, RadiusOfObliqueTubesIsThatAcross) {
   for (const float radius : {1.0f, 2.0f, 4.0f}) {
     const AnalyticScene scene(backend(), {32, 24, 24}, capsule({6, 10, 11}, {26, 13, 14}, radius));
@@ -215,39 +237,49 @@ TEST(Sizing, SameForAnyNumberOfThreads) {
 }
 
 /// The pass on every backend, over a field that lies in another backend's memory.
-class SizingPass : public BackendTest {};
+class SizingPass : public BackendTest {
+ protected:
+  void expect_as_one_by_one(float ample) {
+    const AnalyticScene scene(test::backend(), {32, 24, 24},
+                              capsule({6, 10, 11}, {26, 13, 14}, 2.5f));
+    const FieldView field = scene.field.view();
+    std::mt19937 random(4);
+    std::vector<Vec3> points;
+    for (std::size_t v = 0; v < scene.surface.vertex_count(); v += 7) {
+      const auto shift = [&] { return static_cast<float>(random() % 1000) * 0.0006f - 0.3f; };
+      points.push_back(vertex_at(scene.surface, v) + Vec3{shift(), shift(), shift()});
+    }
+    points.push_back({16, 12, 12});   // too deep
+    points.push_back({-3, 2, 1e9f});  // outside
+    auto positions = to_backend(BackendTest::backend(), points);
+    auto normals = to_backend(BackendTest::backend(), std::vector<Vec3>(points.size(), {7, 7, 7}));
+    auto radii = to_backend(BackendTest::backend(), std::vector<float>(points.size(), 7));
+    BackendTest::backend().sizing_measure(field, ample, positions.view(), normals.view(),
+                                          radii.view());
+    const auto at = to_host(BackendTest::backend(), positions.view());
+    const auto normal = to_host(BackendTest::backend(), normals.view());
+    const auto radius = to_host(BackendTest::backend(), radii.view());
+    std::size_t found = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      Vec3 p = points[i];
+      const FieldSample sample = project_to_surface(field, kSampleReach, kSampleSteps, p);
+      found += sample.known;
+      const Vec3 outward = sample.known ? -normalised(sample.gradient) : Vec3{};
+      ASSERT_EQ(at[i], sample.known ? p : points[i]) << i;
+      ASSERT_EQ(normal[i], outward) << i;
+      ASSERT_EQ(radius[i], sample.known ? radius_of_curvature(field, p, outward, ample) : 0.0f)
+          << i;
+    }
+    EXPECT_GT(found, 100u);
+    EXPECT_LE(found, points.size() - 2);
+  }
+};
 
 TEST_P(SizingPass, MeasuresAsTheFunctionsForOnePointDo) {
-  const AnalyticScene scene(test::backend(), {32, 24, 24},
-                            capsule({6, 10, 11}, {26, 13, 14}, 2.5f));
-  const FieldView field = scene.field.view();
-  std::mt19937 random(4);
-  std::vector<Vec3> points;
-  for (std::size_t v = 0; v < scene.surface.vertex_count(); v += 7) {
-    const auto shift = [&] { return static_cast<float>(random() % 1000) * 0.0006f - 0.3f; };
-    points.push_back(vertex_at(scene.surface, v) + Vec3{shift(), shift(), shift()});
+  for (const float ample : {kLargestRadius, 2.0f}) {
+    SCOPED_TRACE(ample);
+    expect_as_one_by_one(ample);
   }
-  points.push_back({16, 12, 12});   // too deep
-  points.push_back({-3, 2, 1e9f});  // outside
-  auto positions = to_backend(BackendTest::backend(), points);
-  auto normals = to_backend(BackendTest::backend(), std::vector<Vec3>(points.size(), {7, 7, 7}));
-  auto radii = to_backend(BackendTest::backend(), std::vector<float>(points.size(), 7));
-  BackendTest::backend().sizing_measure(field, positions.view(), normals.view(), radii.view());
-  const auto at = to_host(BackendTest::backend(), positions.view());
-  const auto normal = to_host(BackendTest::backend(), normals.view());
-  const auto radius = to_host(BackendTest::backend(), radii.view());
-  std::size_t found = 0;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    Vec3 p = points[i];
-    const FieldSample sample = project_to_surface(field, kSampleReach, kSampleSteps, p);
-    found += sample.known;
-    const Vec3 outward = sample.known ? -normalised(sample.gradient) : Vec3{};
-    ASSERT_EQ(at[i], sample.known ? p : points[i]) << i;
-    ASSERT_EQ(normal[i], outward) << i;
-    ASSERT_EQ(radius[i], sample.known ? radius_of_curvature(field, p, outward) : 0.0f) << i;
-  }
-  EXPECT_GT(found, 100u);
-  EXPECT_LE(found, points.size() - 2);
 }
 
 INSTANTIATE_TEST_SUITE_P(Backends, SizingPass, ::testing::ValuesIn(backend_names()), test_name);

@@ -366,10 +366,11 @@ class Backend : public Memory {
   // --- Sizes (engine/stages/sizing.h). -----------------------------------------------------------
 
   /// Each position moves onto the field's zero set (project_to_surface), where its outward unit
-  /// normal and its radius of curvature are taken (radius_of_curvature). Where no zero set is found
-  /// within half a voxel length the position stays, and normal and radius are zero.
-  virtual void sizing_measure(const FieldView& field, View<Vec3> positions, View<Vec3> normals,
-                              View<float> radii) = 0;
+  /// normal and its radius of curvature are taken (radius_of_curvature, which says what `ample`
+  /// is). Where no zero set is found within half a voxel length the position stays, and normal and
+  /// radius are zero.
+  virtual void sizing_measure(const FieldView& field, float ample, View<Vec3> positions,
+                              View<Vec3> normals, View<float> radii) = 0;
 
   // --- Mesh expanding (engine/stages/expand_rounds.h, expand_steps.h). ---------------------------
   // One round: who may propose (choose, claim), what (propose), and all that at once (add).

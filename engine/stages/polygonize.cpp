@@ -119,7 +119,8 @@ Polygonizer::Polygonizer(Scheduler& scheduler, const Lattice& lattice,
     }
   });
   field_ = make_field(sizing(), lattice, size, scale);
-  sizes_ = make_sizes(sizing(), field_, base_, rule_);
+  const float ample = wanted_triangles_ > 0 ? kLargestRadius : ample_radius(rule_);
+  sizes_ = make_sizes(sizing(), field_, base_, rule_, ample);
   if (wanted_triangles_ > 0) aim();
   report_.predicted_triangles = sizes_.predicted_triangles;
 }

@@ -18,6 +18,7 @@ namespace {
 constexpr std::size_t kCells = 64;  // size cells a brick
 constexpr std::size_t kTriangleGrain = 8192, kVertexGrain = 8192;
 constexpr float kSmallShell = 1;  // voxel lengths: half the longest side of the box round a shell
+constexpr float kMostOfRadius = 1.25f;    // of an edge
 constexpr float kRings[] = {1, 1, 2, 3};  // steps to the distances at which normals are compared
 constexpr std::uint32_t kNoVertex = 0xffffffffu;
 
@@ -44,11 +45,11 @@ SurfaceSamples first_vertices(Backend& backend, const FieldView& field,
 }
 
 /// Puts the samples on the zero set and takes normals and radii there.
-void measure(Backend& backend, const FieldView& field, SurfaceSamples& samples) {
+void measure(Backend& backend, const FieldView& field, float ample, SurfaceSamples& samples) {
   Buffer<Vec3> positions(backend, samples.count()), normals(backend, samples.count());
   Buffer<float> radii(backend, samples.count());
   backend.upload<Vec3>(positions.view(), samples.position);
-  backend.sizing_measure(field, positions.view(), normals.view(), radii.view());
+  backend.sizing_measure(field, ample, positions.view(), normals.view(), radii.view());
   backend.download<Vec3>(positions.view(), samples.position);
   backend.download<Vec3>(normals.view(), samples.normal);
   backend.download<float>(radii.view(), samples.radius);
@@ -59,7 +60,7 @@ float size_for(const SizeRule& rule, float radius) {
   const float curved =
       rule.chord_error > 0 ? std::sqrt(8 * rule.chord_error * radius) : rule.rho * radius;
   const float wanted = std::clamp(curved, rule.edge_min, rule.edge_max);
-  return std::min(wanted, 1.25f * radius);
+  return std::min(wanted, kMostOfRadius * radius);
 }
 
 /// The values of a brick and of the cells round it.
@@ -340,7 +341,7 @@ float place_factor(std::span<const CarefulPlace> places, const Vec3& p) {
 
 }  // namespace
 
-float radius_of_curvature(const FieldView& field, const Vec3& p, const Vec3& normal) {
+float radius_of_curvature(const FieldView& field, const Vec3& p, const Vec3& normal, float ample) {
   constexpr float kHalf = 0.5f, kSine = 0.8660254f;
   constexpr float kDirections[6][2] = {{1, 0},  {kHalf, kSine},   {-kHalf, kSine},
                                        {-1, 0}, {-kHalf, -kSine}, {kHalf, -kSine}};
@@ -359,9 +360,17 @@ float radius_of_curvature(const FieldView& field, const Vec3& p, const Vec3& nor
     if (!(here > 0) && far > 0) break;
     least = here;
     far += step;
-    if (least < far * far) break;
+    if (least < far * far || least >= ample * ample) break;
   }
   return std::sqrt(least);
+}
+
+float ample_radius(const SizeRule& rule) {
+  constexpr float kMargin = 1.5f;
+  const float longest = rule.edge_max;
+  const float curved =
+      rule.chord_error > 0 ? longest * longest / (8 * rule.chord_error) : longest / rule.rho;
+  return std::min(kMargin * std::max(curved, longest / kMostOfRadius), kLargestRadius);
 }
 
 void grow_limited(Backend& backend, const IndicatorField& field, float growth,
@@ -395,11 +404,11 @@ void grow_limited(Backend& backend, const IndicatorField& field, float growth,
 }
 
 SizeField make_sizes(Backend& backend, const IndicatorField& field, const TriangleMesh& surface,
-                     const SizeRule& rule) {
+                     const SizeRule& rule, float ample) {
   const FieldView view = field.view();
   SizeField result;
   result.samples = first_vertices(backend, view, surface);
-  measure(backend, view, result.samples);
+  measure(backend, view, ample, result.samples);
   smooth_radii(backend, field, result.samples);
   bound_by_shells(backend, view, surface, result.samples);
   result.sizes = Buffer<float>(backend, view.coefficients.size / kBrickCells * kCells);

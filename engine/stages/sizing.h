@@ -60,11 +60,17 @@ struct SizeRule {
 /// where it comes out larger, two, four and at last seven lengths from p, so that the steps of the
 /// voxels along a wide vessel do not count as its curvature. Where a direction finds no surface, at
 /// half the distance; 0 where that fails too.
-float radius_of_curvature(const FieldView& field, const Vec3& p, const Vec3& normal);
+/// \param ample  radii from here on need not be told apart: the first that is found will do.
+float radius_of_curvature(const FieldView& field, const Vec3& p, const Vec3& normal, float ample);
+
+/// The radius from which on the rule's edges are as long as any, and half as much again, since
+/// radii are smoothed.
+float ample_radius(const SizeRule& rule);
 
 /// \param surface  the base surface, in voxel lengths: where the radii are taken.
+/// \param ample  of all rules that will be applied (radius_of_curvature()).
 SizeField make_sizes(Backend& backend, const IndicatorField& field, const TriangleMesh& surface,
-                     const SizeRule& rule);
+                     const SizeRule& rule, float ample = kLargestRadius);
 
 /// The same by another rule, from the radii that `sizes` has; shorter in the places, by the least
 /// of their factors, of which none counts below 0.4.

@@ -148,7 +148,7 @@ class OpenClBackend final : public Backend {
                     View<const std::uint16_t> node_start, View<const std::uint32_t> vertex_start,
                     View<const std::uint32_t> triangle_start, View<float> vertices,
                     View<std::uint32_t> triangles) override;
-  void sizing_measure(const FieldView& field, View<Vec3> positions, View<Vec3> normals,
+  void sizing_measure(const FieldView& field, float ample, View<Vec3> positions, View<Vec3> normals,
                       View<float> radii) override;
   void expand_choose(const FieldView& field, std::uint32_t round, bool wake,
                      const FrontView& front) override;

@@ -6,10 +6,10 @@
 
 namespace vasamesh {
 
-void OpenClBackend::sizing_measure(const FieldView& field, View<Vec3> positions, View<Vec3> normals,
-                                   View<float> radii) {
+void OpenClBackend::sizing_measure(const FieldView& field, float ample, View<Vec3> positions,
+                                   View<Vec3> normals, View<float> radii) {
   launch("sizing_measure", groups_of(positions.size), shape_.fold_items, cl_ulong{positions.size},
-         field, positions, normals, radii);
+         ample, field, positions, normals, radii);
 }
 
 }  // namespace vasamesh

@@ -6,8 +6,8 @@
 
 namespace vasamesh {
 
-void TbbBackend::sizing_measure(const FieldView& field, View<Vec3> positions, View<Vec3> normals,
-                                View<float> radii) {
+void TbbBackend::sizing_measure(const FieldView& field, float ample, View<Vec3> positions,
+                                View<Vec3> normals, View<float> radii) {
   constexpr std::size_t kGrain = 64;  // samples a task takes
   for_each(positions.size, kGrain, [=](std::size_t i) {
     Vec3 p = positions[i];
@@ -17,7 +17,7 @@ void TbbBackend::sizing_measure(const FieldView& field, View<Vec3> positions, Vi
     if (!at.known) return;
     positions[i] = p;
     normals[i] = -normalised(at.gradient);
-    radii[i] = radius_of_curvature(field, p, normals[i]);
+    radii[i] = radius_of_curvature(field, p, normals[i], ample);
   });
 }
 
