@@ -21,8 +21,9 @@ int finest_solved(const Octree& octree, const Parameters& parameters) {
 }
 
 /// The splatting kernels, no narrower than the finest cells where these are larger than voxels.
-Kernel kernel_of(const Scale& scale, const Parameters& parameters, int finest) {
-  const float fine = std::min(*std::min_element(scale.begin(), scale.end()) / kFineSpacing, 1.0f);
+Kernel kernel_of(Scale scale, const Parameters& parameters, int finest) {
+  std::sort(scale.begin(), scale.end());
+  const float fine = std::min(scale[1] / kFineSpacing, 1.0f);
   const float least = finest > 0 ? std::ldexp(1.0f, finest) : 0.0f;
   const auto thick = static_cast<float>(parameters.kernel_width);
   return {std::max(std::min(kThinKernel * (fine * fine), thick), least), std::max(thick, least)};

@@ -24,9 +24,10 @@ inline constexpr int kRootIterations = 40;
 inline constexpr int kLevelIterations = 12;
 
 /// Knot distance of the splatting kernel where the vessel is thin, in voxel lengths. Where slices
-/// are so thick that the smallest spacing is less than kFineSpacing voxel lengths, the kernel
-/// shrinks with its square: vessels lose volume to one that is wide beside their pixels (a coil of
-/// a tube of 1.5 voxels, in slices of six pixels, 23 % to one of a voxel, 17 % so).
+/// are so thick that the other two spacings are less than kFineSpacing voxel lengths, the kernel
+/// shrinks with the square of the larger: vessels lose volume to one that is wide beside their
+/// pixels (a coil of a tube of 1.5 voxels, in slices of six pixels, 23 % to one of a voxel, 17 %
+/// so).
 inline constexpr float kThinKernel = 1.0f, kFineSpacing = 0.8f;
 
 /// Standard deviations of the local isovalue's kernels, in voxel lengths: where the vessel is
