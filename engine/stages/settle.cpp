@@ -289,6 +289,8 @@ class Settling {
     TriangleMesh mesh;
     Faults faults;
     for (std::size_t i = 0; i < std::size(kFactors); ++i) {
+      // Sheets that run through each other after so many tries do not come apart in later ones.
+      if (i == kHalf && !cut.faults.meeting.empty()) break;
       if (i % kChain == 0) {
         mesh = cut.mesh;
         faults = cut.faults;
