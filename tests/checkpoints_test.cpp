@@ -92,6 +92,7 @@ TEST_F(Checkpoints, InPartsOfManySmallShells) {
       {"repair", [&](PatchMesh& part) { repair(part, goal, kSine40, 1); }},
       {"even", [](PatchMesh& part) { even_edges(part, 1); }},
       {"widen", [](PatchMesh& part) { widen_angles(part, 1); }},
+      {"dihedrals", [](PatchMesh& part) { open_dihedrals(part, 1); }},
       {"crowding", [](PatchMesh& part) { crowded_vertices(part); }},
       {"clearance", [](PatchMesh& part) { Clearance{part}; }},
       {"smooth", [&](PatchMesh& part) { relaxer.smooth(std::array{&part}, 1); }},

@@ -1,9 +1,10 @@
 /// Small dihedral angles opened by geometry alone.
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <optional>
-#include <utility>
+#include <span>
 #include <vector>
 
 #include "stages/patch_clearance.h"
@@ -39,14 +40,14 @@ float bend_of(const PatchMesh& mesh, std::uint32_t h) {
 /// Triangles that may take the place of some.
 class Change {
  public:
-  std::vector<std::uint32_t> gone;  ///< half-edges, one a triangle
-  std::vector<Corners> made;        ///< in their place; at first the same
+  std::vector<Corners> made;  ///< at first those whose place it is
 
-  Change(const PatchMesh& mesh, std::vector<std::uint32_t> half_edges)
-      : gone(std::move(half_edges)), mesh_(mesh) {
+  /// \param gone  half-edges, one a triangle.
+  Change(const PatchMesh& mesh, std::span<const std::uint32_t> gone) : mesh_(mesh) {
     for (const std::uint32_t g : gone) made.push_back(mesh.corners(g));
     for (const std::uint32_t g : gone)
-      for (const std::uint32_t h : {g, PatchMesh::next(g), PatchMesh::previous(g)}) take_rim(h);
+      for (const std::uint32_t h : {g, PatchMesh::next(g), PatchMesh::previous(g)})
+        take_rim(gone, h);
   }
 
   /// The least cosine between normals at the edges of the triangles that are made.
@@ -79,7 +80,7 @@ class Change {
     Vec3 beyond;
   };
 
-  void take_rim(std::uint32_t h) {
+  void take_rim(std::span<const std::uint32_t> gone, std::uint32_t h) {
     const std::uint32_t t = mesh_.twin(h);
     const auto is_of_t = [&](std::uint32_t g) { return g / 4 == t / 4; };
     if (t == PatchMesh::kNone || std::any_of(gone.begin(), gone.end(), is_of_t)) return;
@@ -116,7 +117,7 @@ class Opening {
     if (!mesh_.may_flip(h)) return false;
     const std::uint32_t t = mesh_.twin(h), p = mesh_.origin(h), q = mesh_.target(h),
                         c = mesh_.apex(h), d = mesh_.apex(t);
-    Change change(mesh_, {h, t});
+    Change change(mesh_, std::array{h, t});
     const float before = change.sharpest(), sine = std::min(kSine25, change.least_sine());
     change.made = {{d, c, p}, {c, d, q}};
     return change.sharpest() > before + kGain && change.least_sine() >= sine &&
@@ -128,7 +129,7 @@ class Opening {
     if (!mesh_.is_inner(v)) return false;
     std::vector<std::uint32_t> fan;
     mesh_.for_each_out(v, [&](std::uint32_t h) { fan.push_back(h); });
-    const Change change(mesh_, std::move(fan));
+    const Change change(mesh_, fan);
     std::vector<float> sines;
     for (const Corners& t : change.made) sines.push_back(std::min(kSine25, sine_of(mesh_, t)));
     const SurfacePoint old = mesh_.points[v];

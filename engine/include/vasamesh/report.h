@@ -99,8 +99,8 @@ struct MeshReport {
   std::int64_t front_triangles = 0;  ///< that the front added
   std::int64_t gaps = 0;             ///< that it left
   std::int64_t gap_triangles = 0;    ///< that closed them
-  std::int64_t far_points = 0;       ///< of the surface or of marching cubes: left farther from
-                                     ///< the other than 0.93 of Report::distance_limit
+  std::int64_t far_points = 0;       ///< of marching cubes or of the surface: left farther from
+                                     ///< the other than 0.93 or 0.97 of Report::distance_limit
 };
 
 /// A distribution in a few numbers.
