@@ -78,6 +78,7 @@ class Search {
 
   void add_points_of(const Run& run, std::vector<Vec3>& found) {
     const std::span<const Vec3> points = run.points();
+    if (is_near_as_a_ball(points)) return;
     triangles_.take_up(points);
     std::array<NearTriangles::Set, Run::kMostPoints> near;
     NearTriangles::Set all = ~NearTriangles::Set{0};
@@ -92,6 +93,16 @@ class Search {
     std::array<Vec3, 3> corner;
     std::array<NearTriangles::Set, 3> near;  // to the corners
   };
+
+  /// Whether a ball round the points is near one triangle: less work than to look at each point.
+  bool is_near_as_a_ball(std::span<const Vec3> points) {
+    Vec3 sum;
+    for (const Vec3& p : points) sum = sum + p;
+    const Vec3 middle = (1 / static_cast<float>(points.size())) * sum;
+    float squared = 0;
+    for (const Vec3& p : points) squared = std::max(squared, squared_norm(p - middle));
+    return triangles_.hold_ball(middle, std::sqrt(squared));
+  }
 
   NearTriangles::Set near_to(const Vec3& p, std::vector<Vec3>& found) const {
     const NearTriangles::Set near = triangles_.within(p);

@@ -9,7 +9,8 @@ namespace vasamesh {
 
 namespace {
 
-constexpr float kSure = 0.9999f;  // of a squared limit: against rounding
+constexpr float kSure = 0.9999f;      // of a squared limit: against rounding
+constexpr float kLeastReach = 0.05f;  // of what rounding leaves certain, voxel lengths
 /// Of the squared sum of the squared sides: with a lesser squared area a plane is not to be
 /// trusted.
 constexpr float kNeedle = 1e-5f;
@@ -53,13 +54,24 @@ Box box_round(std::span<const Vec3> points, float margin) {
 }  // namespace
 
 void NearTriangles::take_up(std::span<const Vec3> points) {
-  const Box box = box_round(points, limit_);
+  take_up(box_round(points, limit_), points[0]);
+}
+
+bool NearTriangles::hold_ball(const Vec3& middle, float radius) {
+  const float reach = limit_ - radius;
+  if (reach < kLeastReach) return false;
+  if (within(middle, reach)) return true;
+  take_up(box_round(std::span(&middle, 1), reach), middle);
+  return within(middle, reach) != 0;
+}
+
+void NearTriangles::take_up(const Box& box, const Vec3& origin) {
   found_.clear();
   for_each_leaf(tree_, box, 0, [&](std::size_t leaf) {
     for (unsigned hits = meeting(tree_.levels[0][leaf], box); hits; hits &= hits - 1)
       found_.push_back(tree_.order[8 * leaf + static_cast<std::size_t>(std::countr_zero(hits))]);
   });
-  origin_ = points[0];
+  origin_ = origin;
   size_ = 0;
   const std::size_t step = std::max<std::size_t>(1, (found_.size() + kMost - 1) / kMost);
   for (std::size_t i = 0; i < found_.size(); i += step) add(found_[i]);
@@ -75,8 +87,8 @@ void NearTriangles::add(std::uint32_t triangle) {
   ++size_;
 }
 
-NearTriangles::Set NearTriangles::within(const Vec3& point) const {
-  const float most = kSure * (limit_ * limit_);
+NearTriangles::Set NearTriangles::within(const Vec3& point, float reach) const {
+  const float most = kSure * (reach * reach);
   const Vec3 p = point - origin_;
   const auto& x = corner_;
   Set found = 0;

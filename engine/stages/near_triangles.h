@@ -30,12 +30,18 @@ class NearTriangles {
 
   /// Those of them that are within the limit of a point for certain; it may lack some that are so
   /// by less than a ten thousandth.
-  Set within(const Vec3& p) const;
+  Set within(const Vec3& p) const { return within(p, limit_); }
+
+  /// Whether all of a ball is within the limit of one triangle for certain. Takes up what is near
+  /// its middle, if what was taken up before will not do.
+  bool hold_ball(const Vec3& middle, float radius);
 
  private:
   static constexpr std::size_t kMost = 64;
 
+  void take_up(const Box& box, const Vec3& origin);
   void add(std::uint32_t triangle);
+  Set within(const Vec3& p, float reach) const;
 
   const TriangleMesh& mesh_;
   const TriangleTree& tree_;
