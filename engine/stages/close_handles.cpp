@@ -83,6 +83,19 @@ bool joined_elsewhere(const Nodes& nodes, std::uint32_t node, std::uint32_t part
   return false;
 }
 
+/// The piece whose voxels are nearest to a node of the cell lattice; kNone past two voxels.
+std::int32_t piece_near(const PieceLookup& lookup, const std::array<int, 3>& node) {
+  for (int reach = 0; reach <= 2; ++reach)
+    for (int z = -reach; z <= reach; ++z)
+      for (int y = -reach; y <= reach; ++y)
+        for (int x = -reach; x <= reach; ++x) {
+          const std::int32_t piece =
+              lookup.at((node[0] >> 1) + x, (node[1] >> 1) + y, (node[2] >> 1) + z);
+          if (piece != PieceLookup::kNone) return piece;
+        }
+  return PieceLookup::kNone;
+}
+
 }  // namespace
 
 std::size_t close_handles(Backend& backend, Lattice& lattice,
@@ -107,6 +120,17 @@ std::size_t close_handles(Backend& backend, Lattice& lattice,
       closings.push_back({!cavity, nodes.place(node)});
     }
   return closings.size() - before;
+}
+
+void take_off(const std::vector<Closing>& closings, Solid& solid, RelabelReport& report) {
+  for (const Closing& closing : closings) {
+    const std::int32_t piece = piece_near(solid.lookup, closing.node);
+    if (piece == PieceLookup::kNone) continue;
+    Piece& own = solid.findings.pieces[static_cast<std::size_t>(piece)];
+    --(closing.tunnel ? own.handles : own.cavities);
+    --(closing.tunnel ? solid.topology.handles : solid.topology.cavities);
+    ++(closing.tunnel ? report.handles_closed : report.cavities_closed);
+  }
 }
 
 }  // namespace vasamesh

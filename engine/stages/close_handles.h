@@ -10,6 +10,7 @@
 
 #include "backend/backend.h"
 #include "stages/relabel.h"
+#include "stages/topology_count.h"
 #include "types/lattice.h"
 
 namespace vasamesh {
@@ -21,5 +22,8 @@ namespace vasamesh {
 std::size_t close_handles(Backend& backend, Lattice& lattice,
                           const std::array<std::vector<std::uint32_t>, 8>& stuck,
                           std::vector<Closing>& closings);
+
+/// Takes the filled tunnels and cavities off what the surface must have, and counts them.
+void take_off(const std::vector<Closing>& closings, Solid& solid, RelabelReport& report);
 
 }  // namespace vasamesh
