@@ -297,10 +297,11 @@ TriangleMesh Polygonizer::expanded() {
   TriangleMesh patches;
   if (!part.triangles.empty())
     patches = remesh_patches(relaxing(), field_.view(), sizes_.view(field_), part);
-  const TriangleMesh mesh = front_over(patches);
+  const std::optional<TriangleMesh> mesh = front_over(patches);
+  if (!mesh) return remeshed_instead();
   scheduler_.begin("finish", Stage::relax);
   settled_ = false;
-  return settled(finish(relaxing(), field_.view(), sizes_.view(field_), mesh));
+  return settled(finish(relaxing(), field_.view(), sizes_.view(field_), *mesh));
 }
 
 /// The last surface with the fresh places cut out, the base surface remeshed in their middle, and
@@ -321,7 +322,8 @@ TriangleMesh Polygonizer::redone() {
   const TriangleMesh patches = joined(part_of(backend_, last_, kept),
                                       remesh_patches(relaxing(), field_.view(), sizes_.view(field_),
                                                      part, where_base_stays(fresh)));
-  const TriangleMesh mesh = front_over(patches);
+  const std::optional<TriangleMesh> mesh = front_over(patches);
+  if (!mesh) return remeshed_instead();
 
   scheduler_.begin("finish", Stage::relax);
   std::vector<CarefulPlace> round = where_base_stays(places_);
@@ -329,16 +331,18 @@ TriangleMesh Polygonizer::redone() {
     changed_.push_back({place.centre, place.radius + 2 * margin, 1});
     if (place.factor > 0) round.push_back(changed_.back());
   }
-  return settled(finish(relaxing(), field_.view(), sizes_.view(field_), mesh, round));
+  return settled(finish(relaxing(), field_.view(), sizes_.view(field_), *mesh, round));
 }
 
-/// The front round the patches, its gaps stitched.
-TriangleMesh Polygonizer::front_over(const TriangleMesh& patches) {
+/// The front round the patches, its gaps stitched; none where it has run away, whose gaps are those
+/// of no surface.
+std::optional<TriangleMesh> Polygonizer::front_over(const TriangleMesh& patches) {
   scheduler_.begin("expand", Stage::expand);
   FrontResult front = expand(scheduler_.backend_for(Stage::expand), field_, sizes_, patches);
   report_.rounds += front.rounds;
   report_.front_triangles +=
       static_cast<std::int64_t>(front.mesh.triangle_count() - patches.triangle_count());
+  if (front.over_budget) return std::nullopt;
 
   scheduler_.begin("stitch", Stage::stitch);
   Backend& stitching = scheduler_.backend_for(Stage::stitch);
@@ -352,6 +356,11 @@ TriangleMesh Polygonizer::front_over(const TriangleMesh& patches) {
   drop_repeated_edges(backend_, front.mesh);
   split_pinches(backend_, front.mesh);
   return std::move(front.mesh);
+}
+
+TriangleMesh Polygonizer::remeshed_instead() {
+  start_over(Plan::remesh);
+  return remeshed();
 }
 
 TriangleMesh Polygonizer::remeshed() {

@@ -92,8 +92,9 @@ class Polygonizer {
   TriangleMesh expanded();
   TriangleMesh redone();
   TriangleMesh remeshed();
+  TriangleMesh remeshed_instead();
   TriangleMesh settled(TriangleMesh mesh);
-  TriangleMesh front_over(const TriangleMesh& patches);
+  std::optional<TriangleMesh> front_over(const TriangleMesh& patches);
   Backend& sizing() { return scheduler_.backend_for(Stage::sizing); }
   Backend& relaxing() { return scheduler_.backend_for(Stage::relax); }
   float longest_edge() const;
