@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
+#include <limits>
 
 #include "backend/in_steps.h"
 #include "types/volume.h"
@@ -56,6 +58,9 @@ TriangleMesh extract_base_surface(Backend& backend, const Lattice& lattice) {
                         vertex_counts, triangle_counts);
   const std::size_t vertex_total = backend.exclusive_scan(vertex_counts, vertex_start.view());
   const std::size_t triangle_total = backend.exclusive_scan(triangle_counts, triangle_start.view());
+  if (3 * triangle_total > std::numeric_limits<std::uint32_t>::max())
+    throw Error(ErrorCode::refused,
+                "the surface has more than 2^32 corners: convert a part of the volume");
 
   Buffer<float> vertices(backend, 3 * vertex_total);
   Buffer<std::uint32_t> triangles(backend, 3 * triangle_total);

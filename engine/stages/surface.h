@@ -16,6 +16,7 @@ namespace vasamesh {
 inline constexpr float kVertexMargin = 0.05f;
 
 /// The surface in padded voxel units.
+/// \throws Error refused, when its triangles have more than 2^32 corners.
 TriangleMesh extract_base_surface(Backend& backend, const Lattice& lattice);
 
 /// Takes vertices from padded voxel units to mm in the space that is asked for, in double, and

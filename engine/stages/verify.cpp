@@ -21,7 +21,7 @@ void require_indices(const Backend& backend, const TriangleMesh& mesh) {
   if (mesh.vertices.size() % 3 != 0 || mesh.triangles.size() % 3 != 0)
     throw Error(ErrorCode::bad_input,
                 "the surface is cut short: its numbers are not in threes; write it anew");
-  const std::uint32_t count = static_cast<std::uint32_t>(mesh.vertex_count());
+  const std::size_t count = mesh.vertex_count();
   in_steps(backend, mesh.triangles.size(), [&](std::size_t i) {
     if (mesh.triangles[i] >= count)
       throw Error(ErrorCode::bad_input, "triangle " + std::to_string(i / 3) + " names vertex " +
