@@ -11,10 +11,11 @@ namespace vasamesh {
 
 namespace {
 
-constexpr std::size_t kChunk = 256;        // loops a task takes
-constexpr float kBridgeReach = 3;          // longest bridge, in longest edges of its loop
-constexpr std::size_t kMostTrials = 2000;  // bridges or chords tried for a loop
-constexpr std::size_t kMostStarts = 1024;  // corners of a long loop from which chords are tried
+constexpr std::size_t kChunk = 256;          // loops a task takes
+constexpr float kBridgeReach = 3;            // longest bridge, in longest edges of its loop
+constexpr std::size_t kMostTrials = 2000;    // bridges or chords tried for a loop
+constexpr std::uint32_t kMostStarts = 1024;  // corners of a long loop from which chords are tried,
+constexpr std::uint32_t kMostEnds = 4096;    // and to which
 
 using Loop = std::vector<std::uint32_t>;
 
@@ -51,9 +52,10 @@ struct ChordTrial {
 
 class Bridger {
  public:
-  Bridger(const TriangleMesh& mesh, const GapRules& rules, const GapLoops& loops,
-          std::vector<float> turnings, GapRim& rim)
-      : mesh_(mesh),
+  Bridger(const Backend& backend, const TriangleMesh& mesh, const GapRules& rules,
+          const GapLoops& loops, std::vector<float> turnings, GapRim& rim)
+      : backend_(backend),
+        mesh_(mesh),
         rules_(rules),
         rim_(rim),
         loops_(loops.count()),
@@ -67,6 +69,7 @@ class Bridger {
 
   void join_annuli() {
     for (std::size_t l = 0; l < loops_.size();) {
+      backend_.checkpoint();
       BridgeTrial bridge;
       if (turnings_[l] >= kLeastTurning || loops_[l].empty() || !find_bridge(l, bridge)) {
         ++l;
@@ -78,8 +81,10 @@ class Bridger {
   }
 
   void split_long_loops() {
-    for (std::size_t l = 0; l < loops_.size();)
+    for (std::size_t l = 0; l < loops_.size();) {
+      backend_.checkpoint();
       if (loops_[l].size() <= kLongLoop || !split(l)) ++l;
+    }
   }
 
   BridgedLoops take() {
@@ -231,11 +236,12 @@ class Bridger {
 
   bool split(std::size_t l) {
     const Loop& loop = loops_[l];
-    const std::size_t n = loop.size(), least = n / 4, step = (n + kMostStarts - 1) / kMostStarts;
+    const auto n = static_cast<std::uint32_t>(loop.size());
+    const std::uint32_t least = n / 4, from_step = (n + kMostStarts - 1) / kMostStarts,
+                        to_step = (n + kMostEnds - 1) / kMostEnds;
     std::vector<ChordTrial> trials;
-    for (std::uint32_t i = 0; i < n; i += static_cast<std::uint32_t>(step))
-      for (std::uint32_t j = i + static_cast<std::uint32_t>(least); j < n && j - i + least <= n;
-           ++j)
+    for (std::uint32_t i = 0; i < n; i += from_step)
+      for (std::uint32_t j = i + least; j < n && j - i + least <= n; j += to_step)
         trials.push_back({squared_norm(at(loop[j]) - at(loop[i])), i, j});
     const auto end = trials.begin() + std::min(trials.size(), kMostTrials);
     std::partial_sort(trials.begin(), end, trials.end());
@@ -275,6 +281,7 @@ class Bridger {
     turnings_.insert(turnings_.begin() + l + 1, turning_of(l + 1));
   }
 
+  const Backend& backend_;
   const TriangleMesh& mesh_;
   const GapRules rules_;
   GapRim& rim_;
@@ -311,7 +318,7 @@ BridgedLoops bridge_loops(Backend& backend, const TriangleMesh& mesh, const GapR
   for (std::size_t l = 0; l < loops.count(); ++l)
     any |= turnings[l] < kLeastTurning || loops.size(l) > kLongLoop;
   if (!any) return {loops, std::move(turnings), {}, 0, 0};
-  Bridger bridger(mesh, rules, loops, std::move(turnings), rim);
+  Bridger bridger(backend, mesh, rules, loops, std::move(turnings), rim);
   bridger.join_annuli();
   bridger.split_long_loops();
   return bridger.take();

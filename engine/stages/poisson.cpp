@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "backend/in_steps.h"
 #include "stages/bricks.h"
 
 namespace vasamesh {
@@ -100,7 +101,7 @@ SampleWeights weigh(Backend& backend, const PointView& points, View<const float>
   constexpr Kernel kShare = {kLeastWideShare, 1};
   SampleWeights weights{std::vector<float>(points.count), std::vector<float>(points.count)};
   double sum = 0, all = 0;
-  for (std::size_t i = 0; i < points.count; ++i) {
+  in_steps(backend, points.count, [&](std::size_t i) {
     const float ax = points.area[0][i], ay = points.area[1][i], az = points.area[2][i];
     const float area = std::sqrt((ax * ax + ay * ay) + az * az);
     const float share = kShare.at(points.thickness[i]);
@@ -108,7 +109,7 @@ SampleWeights weigh(Backend& backend, const PointView& points, View<const float>
     weights.narrow[i] = kCellsOfWide * (area * (1 - share));
     sum += double{area} * values[i];
     all += area;
-  }
+  });
   if (all > 0) weights.mean = static_cast<float>(sum / all);
   return weights;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <span>
 
+#include "backend/in_steps.h"
 #include "stages/close_handles.h"
 #include "stages/far_offsets.h"
 #include "stages/lattice.h"
@@ -193,9 +194,10 @@ void forget_buried_faces(Backend& backend, Lattice& lattice) {
   constexpr float kBuried = 0.2f;
   const auto state = backend.on_host(lattice.state.view());
   const auto values = backend.on_host(View<const float>(lattice.values.view()));
-  for (std::size_t node = 0; node < state.size(); ++node)
+  in_steps(backend, state.size(), [&](std::size_t node) {
     if ((state[node] & kLabel) && values[node] > kBuried)
       state[node] = static_cast<std::uint8_t>(state[node] & ~kFaceCentre);
+  });
 }
 
 }  // namespace

@@ -270,7 +270,7 @@ std::uint32_t TbbBackend::relabel_sweep(const BrickView& bricks, View<const std:
 
 void TbbBackend::relabel_mark(View<const std::uint32_t> nodes, std::uint8_t mark,
                               View<std::uint8_t> marks) {
-  for (std::size_t i = 0; i < nodes.size; ++i) marks[nodes[i]] = mark;
+  for_each(nodes.size, kNodeGrain, [&](std::size_t i) { marks[nodes[i]] = mark; });
 }
 
 std::uint32_t TbbBackend::lattice_mark_narrow(const BrickView& bricks,
