@@ -26,7 +26,7 @@ namespace {
 /// The segmentation as a solid, packed into bits that stay with the caller.
 Solid examined(const VolumeView& volume, const Parameters& parameters, Scheduler& scheduler,
                BitVolume& object) {
-  scheduler.begin("input", Stage::points);
+  scheduler.begin("input", Stage::points, "pieces, handles and cavities");
   Backend& host = scheduler.host();
   Backend& points_on = scheduler.backend_for(Stage::points);
   object = pack_volume(points_on, volume);
@@ -79,7 +79,7 @@ Lattice sampled_lattice(const BitVolume& object, const Scale& scale, const Param
   const Samples samples = oriented_samples(object, scale, parameters, scheduler, report);
   const PointCloud& points = samples.points;
 
-  scheduler.begin("octree", Stage::octree);
+  scheduler.begin("octree", Stage::octree, "tables of bricks");
   Backend& octree_on = scheduler.backend_for(Stage::octree);
   Octree octree = build_octree(octree_on, samples.bricks, scale);
   assemble_poisson(octree_on, points, scale, parameters, octree);

@@ -16,7 +16,7 @@ namespace {
 
 /// Takes a surface from padded voxel units to where it is asked for, and proves it there.
 CheckReport prove(Scheduler& scheduler, const SolidMatch& wanted, TriangleMesh& mesh) {
-  scheduler.begin("check", Stage::verify);
+  scheduler.begin("check", Stage::verify, "edges, fans, shells, pairs that need exact predicates");
   Backend& backend = scheduler.backend_for(Stage::verify);
   place_in_space(backend, wanted.geometry, wanted.space, mesh);
   return check_surface(backend, mesh, &wanted);

@@ -79,15 +79,15 @@ void Scheduler::tell() {
     throw Error(ErrorCode::cancelled, "cancelled during " + phase_);
 }
 
-std::string Scheduler::host_reason(Stage stage, const char* no_kernels) {
+std::string Scheduler::host_reason(Stage stage, const char* on_host) {
   if (host_alone_ || &backend_for(stage) != &host()) return {};
   const bool has_device = context_.backends.size() > 1;
   if (!has_device && context_.host_reason.empty()) return {};
-  if (stage == Stage::mesh) return no_kernels;
+  if (stage == Stage::mesh) return on_host;
   return has_device ? "the device has been given other stages alone" : context_.host_reason;
 }
 
-void Scheduler::begin(const char* name, Stage stage, const char* no_kernels) {
+void Scheduler::begin(const char* name, Stage stage, const char* on_host) {
   end();
   Backend& backend = backend_for(stage);
   if (running_ && running_ != &backend) running_->settle();
@@ -96,7 +96,8 @@ void Scheduler::begin(const char* name, Stage stage, const char* no_kernels) {
   report.name = name;
   report.backend = backend.name();
   report.device = backend.device();
-  report.host_reason = host_reason(stage, no_kernels);
+  report.host_reason = host_reason(stage, on_host);
+  if (&backend != &host()) report.host_part = on_host;
   traffic_ = backend.traffic();
   progress(name, 0);
   started_ = Clock::now();
@@ -117,6 +118,13 @@ void Scheduler::close() {
   report.launches = traffic.launches - traffic_.launches;
   report.copies = traffic.copies - traffic_.copies;
   report.bytes_copied = traffic.bytes - traffic_.bytes;
+  report.device_seconds = traffic.waited - traffic_.waited;
+  if (running_ != &host() && !host_alone_ && report.launches == 0) {
+    report.backend = host().name();
+    report.device = host().device();
+    report.host_reason = "nothing in it was for the device";
+    report.host_part.clear();
+  }
   report.seconds = std::chrono::duration<double>(Clock::now() - started_).count();
   for (const auto& backend : context_.backends)
     report.bytes_held += static_cast<std::int64_t>(backend->bytes_held());

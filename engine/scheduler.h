@@ -49,8 +49,9 @@ class Scheduler {
   void progress(std::string_view phase, double fraction);
 
   /// Begins a stage (ending the one before): its name for the report and for progress.
-  /// \param no_kernels  why no backend but the host's offers it; for Stage::mesh.
-  void begin(const char* name, Stage stage, const char* no_kernels = "");
+  /// \param on_host  what of it the host does, whatever the backend; for Stage::mesh, which is the
+  ///        host's, why.
+  void begin(const char* name, Stage stage, const char* on_host = "");
   void end();
 
   std::vector<StageReport> take_reports() { return std::move(reports_); }
@@ -71,7 +72,7 @@ class Scheduler {
   void close();
 
   /// Why a stage runs on the host where there is a device; empty where there is none.
-  std::string host_reason(Stage stage, const char* no_kernels);
+  std::string host_reason(Stage stage, const char* on_host);
 
   Context& context_;
   std::size_t max_memory_;

@@ -57,6 +57,7 @@ struct Traffic {
   std::int64_t launches = 0;  ///< of kernels
   std::int64_t copies = 0;
   std::int64_t bytes = 0;  ///< copied
+  double waited = 0;       ///< seconds in which the program waited for the device
 };
 
 class Backend : public Memory {

@@ -41,6 +41,9 @@ constexpr float kPlace = 2.5f;                        // longest edges: a place'
 constexpr float kWidePlace = 4;  // voxel lengths: or one edge where that would be more than this
 constexpr float kMargin = 1.2f;  // longest edges: the front's room
 
+/// Of remeshing and finishing, for the report.
+constexpr char kOnHost[] = "splits, collapses, flips, repairs, moves near other sheets";
+
 SizeRule rule_of(const EdgeLengths& edges) {
   constexpr double kTwoPi = 6.283185307179586;
   SizeRule rule;
@@ -108,7 +111,7 @@ Polygonizer::Polygonizer(Scheduler& scheduler, const Lattice& lattice,
   in_steps(backend_, base_.vertices.size(),
            [&](std::size_t i) { base_.vertices[i] *= scale_[i % 3]; });
   base_area_ = area_of(backend_, base_);
-  scheduler_.begin("sizes", Stage::sizing);
+  scheduler_.begin("sizes", Stage::sizing, "trees of boxes, the growth of sizes");
   sizing().on_host(View<const std::uint8_t>(lattice.state.view()));
   backend_.run(2, [&](std::size_t half) {  // each half has work of one thread alone
     if (half == 0) {
@@ -293,13 +296,13 @@ TriangleMesh Polygonizer::expanded() {
     plan_ = Plan::remesh;
     return remeshed();
   }
-  scheduler_.begin("remesh", Stage::relax);
+  scheduler_.begin("remesh", Stage::relax, kOnHost);
   TriangleMesh patches;
   if (!part.triangles.empty())
     patches = remesh_patches(relaxing(), field_.view(), sizes_.view(field_), part);
   const std::optional<TriangleMesh> mesh = front_over(patches);
   if (!mesh) return remeshed_instead();
-  scheduler_.begin("finish", Stage::relax);
+  scheduler_.begin("finish", Stage::relax, kOnHost);
   settled_ = false;
   return settled(finish(relaxing(), field_.view(), sizes_.view(field_), *mesh));
 }
@@ -307,7 +310,7 @@ TriangleMesh Polygonizer::expanded() {
 /// The last surface with the fresh places cut out, the base surface remeshed in their middle, and
 /// the front in between.
 TriangleMesh Polygonizer::redone() {
-  scheduler_.begin("remesh", Stage::relax);
+  scheduler_.begin("remesh", Stage::relax, kOnHost);
   apply_rule(sizing(), field_, base_, rule_, places_, sizes_);
   const std::span<const CarefulPlace> fresh = std::span(places_).subspan(first_fresh_);
   const float margin = kMargin * longest_edge();
@@ -325,7 +328,7 @@ TriangleMesh Polygonizer::redone() {
   const std::optional<TriangleMesh> mesh = front_over(patches);
   if (!mesh) return remeshed_instead();
 
-  scheduler_.begin("finish", Stage::relax);
+  scheduler_.begin("finish", Stage::relax, kOnHost);
   std::vector<CarefulPlace> round = where_base_stays(places_);
   for (const CarefulPlace& place : fresh) {
     changed_.push_back({place.centre, place.radius + 2 * margin, 1});
@@ -337,14 +340,14 @@ TriangleMesh Polygonizer::redone() {
 /// The front round the patches, its gaps stitched; none where it has run away, whose gaps are those
 /// of no surface.
 std::optional<TriangleMesh> Polygonizer::front_over(const TriangleMesh& patches) {
-  scheduler_.begin("expand", Stage::expand);
+  scheduler_.begin("expand", Stage::expand, "the patches' boundary and the seeds");
   FrontResult front = expand(scheduler_.backend_for(Stage::expand), field_, sizes_, patches);
   report_.rounds += front.rounds;
   report_.front_triangles +=
       static_cast<std::int64_t>(front.mesh.triangle_count() - patches.triangle_count());
   if (front.over_budget) return std::nullopt;
 
-  scheduler_.begin("stitch", Stage::stitch);
+  scheduler_.begin("stitch", Stage::stitch, "loops, bridges, the refinement of patches");
   Backend& stitching = scheduler_.backend_for(Stage::stitch);
   if (drop_repeated_edges(backend_, front.mesh))
     front.loops = find_gap_loops(stitching, front.mesh);
@@ -364,7 +367,7 @@ TriangleMesh Polygonizer::remeshed_instead() {
 }
 
 TriangleMesh Polygonizer::remeshed() {
-  scheduler_.begin("remesh", Stage::relax);
+  scheduler_.begin("remesh", Stage::relax, kOnHost);
   report_.hard_share = 1;
   settled_ = false;
   return settled(remesh(relaxing(), field_.view(), sizes_.view(field_), base_, places_));

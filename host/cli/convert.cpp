@@ -42,19 +42,22 @@ void keep_freed_memory() {
 #endif
 }
 
-/// Runs `work`, and says how long it took: reading and writing are stages of the program.
+/// Runs `work`, a stage of the program, and says how long it took.
+/// \param on  what it works on.
 template <class Work>
-StageReport timed(const char* name, const Work& work) {
+StageReport timed(const char* name, const char* on, const Work& work) {
   const auto start = std::chrono::steady_clock::now();
   work();
   StageReport stage;
   stage.name = name;
   stage.backend = "host";
-  stage.device = "file";
-  stage.host_reason = "files are read and written by the program";
+  stage.device = on;
   stage.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return stage;
 }
+
+/// The last of a context's backends is the host's; those before it are devices.
+bool has_device(const Context& context) { return context.backends.size() > 1; }
 
 }  // namespace
 
@@ -67,7 +70,8 @@ void run_convert(const ConvertRequest& request) {
   ContextOptions devices = request.context;
   devices.cancel = &interrupted();
   // Lives as long as the program: to close a device means to wait for it, even when interrupted.
-  static Context& context = *new Context(make_context(devices));
+  static Context& context = *new Context;
+  StageReport device = timed("device", "drivers", [&] { context = make_context(devices); });
   context.progress = [&](std::string_view phase, double fraction) {
     progress.show(phase, fraction);
     return !interrupted();
@@ -77,17 +81,22 @@ void run_convert(const ConvertRequest& request) {
   ReadOptions selection = request.read;
   selection.cancel = &interrupted();
   progress.show("read", 0);
-  const StageReport read = timed("read", [&] { volume = read_packed(request.input, selection); });
+  StageReport read = timed("read", "file", [&] { volume = read_packed(request.input, selection); });
   stop_if_interrupted();
   Result result = on_volume_of(request.input,
                                [&] { return convert(volume.view(), request.parameters, context); });
   stop_if_interrupted();
   progress.show("write", 0);
-  const StageReport write = timed("write", [&] {
+  StageReport write = timed("write", "file", [&] {
     write_surface(request.output, result.mesh, request.parameters.space, &interrupted());
   });
-  result.report.stages.insert(result.report.stages.begin(), read);
-  result.report.stages.push_back(write);
+  if (has_device(context)) {
+    device.host_reason = "it opens the device, and builds its kernels where none are kept";
+    read.host_reason = write.host_reason = "files are read and written by the program";
+  }
+  std::vector<StageReport>& stages = result.report.stages;
+  stages.insert(stages.begin(), {device, read});
+  stages.push_back(write);
   if (!request.report.empty())
     write_file(request.report, to_text(to_json(result.report)) + "\n", &interrupted());
   progress.clear();

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cctype>
+#include <map>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -87,8 +89,13 @@ void print_far_points(const Report& report) {
       "Distance", report.distance_limit);
 }
 
-/// A device that failed, so that the CPU finished.
-void print_failures(const std::vector<StageReport>& stages) {
+/// The devices that stages ran on, and those that failed, so that the CPU finished.
+void print_devices(const std::vector<StageReport>& stages) {
+  std::map<std::string, int> stages_on;
+  for (const StageReport& stage : stages)
+    if (stage.launches > 0 && stage.failure.empty()) ++stages_on[stage.device];
+  for (const auto& [device, count] : stages_on)
+    fmt::print("{:<10}{}: {} of {} stages\n", "Device", device, count, stages.size());
   for (const StageReport& stage : stages)
     if (!stage.failure.empty())
       fmt::print("{:<10}{} failed in {}: {}; done again on the CPU, with the same result\n",
@@ -138,7 +145,7 @@ void print_conversion(const std::string& input, const std::string& output, const
   fmt::print("{:<10}edge ratio {:.2f}, least angle {:.0f} degrees on average\n", "Quality",
              report.quality.edge_ratio.mean, report.quality.least_angle.mean);
   print_far_points(report);
-  print_failures(report.stages);
+  print_devices(report.stages);
   print_times(report.stages);
 }
 

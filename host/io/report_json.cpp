@@ -82,11 +82,13 @@ Json to_json(const StageReport& stage) {
           {"backend", stage.backend},
           {"device", stage.device},
           {"seconds", stage.seconds},
+          {"device_seconds", stage.device_seconds},
           {"bytes_held", stage.bytes_held},
           {"launches", stage.launches},
           {"copies", stage.copies},
           {"bytes_copied", stage.bytes_copied},
           {"host_reason", stage.host_reason},
+          {"host_part", stage.host_part},
           {"failure", stage.failure}};
 }
 

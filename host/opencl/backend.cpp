@@ -105,7 +105,7 @@ OpenClBackend::OpenClBackend(cl::Device device, const WorkShape& shape, bool sha
 }
 
 Traffic OpenClBackend::traffic() const {
-  return {launches_, memory_->copies(), memory_->bytes_copied()};
+  return {launches_, memory_->copies(), memory_->bytes_copied(), memory_->waited()};
 }
 
 void* OpenClBackend::allocate(std::size_t bytes) {

@@ -1,5 +1,6 @@
 #include "opencl/device_memory.h"
 
+#include <chrono>
 #include <cstring>
 #include <new>
 #include <utility>
@@ -30,7 +31,9 @@ DeviceMemory::~DeviceMemory() {
 
 void DeviceMemory::wait() {
   if (idle_) return;
+  const auto start = std::chrono::steady_clock::now();
   wait_for(queue_, checkpoint_, device_);
+  waited_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   idle_ = true;
   give_back_left();
 }

@@ -68,6 +68,9 @@ class DeviceMemory {
   std::int64_t copies() const { return copies_; }
   std::int64_t bytes_copied() const { return bytes_copied_; }
 
+  /// Seconds in wait(), so far.
+  double waited() const { return waited_; }
+
  private:
   struct Allocation {
     cl_mem memory = nullptr;
@@ -101,6 +104,7 @@ class DeviceMemory {
   std::vector<Loan> loans_;
   std::function<void()> checkpoint_;
   std::int64_t copies_ = 0, bytes_copied_ = 0;
+  double waited_ = 0;
   bool idle_ = true;                                ///< nothing was queued since the last wait
   std::vector<std::pair<void*, Allocation>> left_;  ///< released while commands may use it
 };

@@ -58,11 +58,13 @@ struct StageReport {
   std::string backend;
   std::string device;
   double seconds = 0;
+  double device_seconds = 0;      ///< of these, in which the program waited for the device
   std::int64_t bytes_held = 0;    ///< bytes held by the backends' buffers at the stage's end
   std::int64_t launches = 0;      ///< of a device's kernels
   std::int64_t copies = 0;        ///< to and from a device's own memory
   std::int64_t bytes_copied = 0;
   std::string host_reason;        ///< why it ran on the CPU though there was a device; else empty
+  std::string host_part;          ///< what of it ran on the CPU beside the device; else empty
   std::string failure;            ///< of the device, after which the stages were run again on the
                                   ///< CPU; empty when it did not fail
 };
@@ -78,7 +80,7 @@ struct LevelReport {
   double residual = 0;
 };
 
-/// How far the relabelled field had to be led back to the segmentation (design of the topology).
+/// How far the relabelled field had to be led back to the segmentation (engine/stages/relabel.h).
 struct RelabelReport {
   std::int64_t lattice_nodes = 0;
   std::int64_t flips = 0;
