@@ -3,17 +3,12 @@
 /// as through VTK; VTK's OBJ has neither comments nor the digits that float32 needs.
 
 #include <fmt/format.h>
-#include <vtkCellArray.h>
 #include <vtkCellData.h>
 #include <vtkFieldData.h>
 #include <vtkFloatArray.h>
 #include <vtkNew.h>
 #include <vtkPointData.h>
-#include <vtkPoints.h>
-#include <vtkPolyData.h>
 #include <vtkStringArray.h>
-#include <vtkTypeInt32Array.h>
-#include <vtkTypeInt64Array.h>
 #include <vtkXMLPolyDataWriter.h>
 
 #include <algorithm>
@@ -29,6 +24,7 @@
 #include "io/file_ending.h"
 #include "io/io_error.h"
 #include "io/surface_io.h"
+#include "vtk_mesh.h"
 
 namespace vasamesh {
 namespace {
@@ -124,38 +120,11 @@ std::string encode_obj(const TriangleMesh& mesh, Space space) {
   return fmt::to_string(text);
 }
 
-/// Offsets and corners of the triangles in arrays of the VTK type `Array`.
-template <class Array>
-void set_cells(const TriangleMesh& mesh, vtkCellArray& cells) {
-  vtkNew<Array> offsets, corners;
-  offsets->SetNumberOfValues(static_cast<vtkIdType>(mesh.triangle_count()) + 1);
-  for (vtkIdType i = 0; i < offsets->GetNumberOfValues(); ++i) {
-    offsets->SetValue(i, static_cast<typename Array::ValueType>(3 * i));
-  }
-  corners->SetNumberOfValues(static_cast<vtkIdType>(mesh.triangles.size()));
-  std::copy(mesh.triangles.begin(), mesh.triangles.end(), corners->GetPointer(0));
-  cells.SetData(offsets, corners);
-}
-
 vtkSmartPointer<vtkPolyData> poly_data(const TriangleMesh& mesh, Space space) {
-  vtkNew<vtkFloatArray> coordinates;
-  coordinates->SetNumberOfComponents(3);
-  coordinates->SetNumberOfTuples(static_cast<vtkIdType>(mesh.vertex_count()));
-  std::copy(mesh.vertices.begin(), mesh.vertices.end(), coordinates->GetPointer(0));
-  vtkNew<vtkPoints> points;
-  points->SetData(coordinates);
-  vtkNew<vtkCellArray> cells;
-  const bool wide = mesh.triangles.size() > std::numeric_limits<std::int32_t>::max();
-  if (wide)
-    set_cells<vtkTypeInt64Array>(mesh, *cells);
-  else
-    set_cells<vtkTypeInt32Array>(mesh, *cells);
   vtkNew<vtkStringArray> space_array;
   space_array->SetName("SPACE");
   space_array->InsertNextValue(upper_space(space));
-  auto data = vtkSmartPointer<vtkPolyData>::New();
-  data->SetPoints(points);
-  data->SetPolys(cells);
+  vtkSmartPointer<vtkPolyData> data = to_vtk(mesh.vertices, mesh.triangles);
   data->GetFieldData()->AddArray(space_array);
   return data;
 }
