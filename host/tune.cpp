@@ -8,6 +8,7 @@
 
 #include "backend/backend.h"
 #include "opencl/backend.h"
+#include "opencl/tuning.h"
 #include "tbb/backend.h"
 #include "vasamesh/errors.h"
 #include "vasamesh/pipeline.h"

@@ -17,6 +17,9 @@
 
 namespace vasamesh {
 
+constexpr std::uint32_t kAllStages = ~std::uint32_t{0};
+constexpr std::uint32_t bit_of(Stage stage) { return 1u << static_cast<unsigned>(stage); }
+
 /// How a kernel is cut into work-items. The arithmetic is the same for both.
 enum class KernelShape {
   by_device,   ///< as tuned, else one_item on a CPU, work_group elsewhere
