@@ -20,7 +20,7 @@
 
 namespace vasamesh {
 
-/// All devices of all platforms; list_opencl_devices() numbers them so.
+/// All devices of all platforms; their opencl_index counts them so.
 std::vector<cl::Device> opencl_devices();
 
 /// What kernels of that shape need and the device has not, as "has work-groups of at most 1 item,

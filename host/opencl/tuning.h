@@ -18,7 +18,7 @@ namespace vasamesh {
 /// no others); for each, groups of 32 to 256 items over elements.
 std::vector<WorkShape> shapes_to_try();
 
-/// \param device  the opencl_index of a DeviceInfo. \param cache_folder  as of OpenClOptions.
+/// \param device  an opencl_index. \param cache_folder  as of OpenClOptions.
 /// \return of those that store: whether it could be kept.
 /// \throws DeviceFailure where the device does not answer.
 std::optional<WorkShape> load_shape(int device, const std::string& cache_folder);
