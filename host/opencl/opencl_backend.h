@@ -29,8 +29,10 @@ std::string lacks(const cl::Device& device, const WorkShape& shape);
 
 class OpenClBackend final : public Backend {
  public:
-  /// \param options  of which the first three have been looked up: `device`, `shape`,
-  ///        `shared_memory`.
+  /// \param shared_memory  what options.copies comes to on the device: its copies of buffers lie in
+  ///        the host's memory.
+  /// \param options  of which `device`, `shape`, `work_shape` and `copies` are ignored: the other
+  ///        parameters say what they came to.
   OpenClBackend(cl::Device device, const WorkShape& shape, bool shared_memory,
                 const OpenClOptions& options);
 
