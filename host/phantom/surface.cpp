@@ -18,7 +18,7 @@
 #include "tbb/task_order.h"
 #include "vtk_mesh.h"
 
-namespace vasamesh {
+namespace vasamesh::phantom {
 namespace {
 
 constexpr int kBlockCells = 12;
@@ -179,4 +179,4 @@ TriangleMesh exact_surface(const Shape& solid, const Eigen::AlignedBox3d& border
   return {vertices_of(*surface, shifted), triangles_of(*surface)};
 }
 
-}  // namespace vasamesh
+}  // namespace vasamesh::phantom
