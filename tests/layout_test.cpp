@@ -40,9 +40,8 @@ std::optional<int> layer(const std::string& path) {
     std::string prefix;
     int layer;
   };
-  static const std::array<Place, 12> places = {{{"engine/include/vasamesh/pipeline.h", 3},
+  static const std::array<Place, 11> places = {{{"engine/include/vasamesh/pipeline.h", 3},
                                                 {"engine/include/", 0},
-                                                {"engine/backend/buffer.h", 0},
                                                 {"engine/types/", 1},
                                                 {"engine/backend/", 2},
                                                 {"engine/byte_plan.", 3},
