@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
 #include <random>
 
 #include "reference/lattice_reference.h"
@@ -313,7 +312,6 @@ TEST_P(CellLattice, ClampGivesEachWrongValueItsLabelsSign) {
 /// On random labels, a third or a fifth of the nodes inside.
 TEST_P(CellLattice, NarrowPlacesAreMarked) {
   constexpr LeastWidths kLeast = {0.8f, 0.7f};
-  constexpr int kAxes[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   int inside_marks = 0, outside_marks = 0;
   for (std::uint32_t seed = 60; seed < 64; ++seed) {
     RandomLattice random(backend(), seed);
@@ -336,37 +334,14 @@ TEST_P(CellLattice, NarrowPlacesAreMarked) {
     const auto marked = to_host<const std::uint8_t>(backend(), marks.view());
     const auto values = to_host<const float>(backend(), lattice.values.view());
     backend().settle();
-    std::map<std::array<int, 3>, std::size_t> nodes;
+    reference::NodePlaces nodes;
     visit_nodes(bricks, [&](std::size_t node, int x, int y, int z) { nodes[{x, y, z}] = node; });
     std::uint32_t wanted = 0;
     for (const auto& [at, node] : nodes) {
-      const auto label = [&](int dx, int dy, int dz) {
-        const auto found = nodes.find({at[0] + dx, at[1] + dy, at[2] + dz});
-        return found != nodes.end() && (state[found->second] & kLabel) != 0;
-      };
-      const bool inside = label(0, 0, 0);
-      std::uint32_t link = 0;
-      for (std::size_t i = 0; i < kLink.size(); ++i)
-        link |= std::uint32_t{label(kLink[i].x, kLink[i].y, kLink[i].z)} << i;
-      int closed = 0;
-      bool narrow = false, thin_sheet = false;
-      for (const auto& [dx, dy, dz] : kAxes) {
-        const auto above = nodes.find({at[0] + dx, at[1] + dy, at[2] + dz});
-        const auto below = nodes.find({at[0] - dx, at[1] - dy, at[2] - dz});
-        if (above == nodes.end() || below == nodes.end()) continue;
-        if (label(dx, dy, dz) == inside || label(-dx, -dy, -dz) == inside) continue;
-        const double own = std::abs(values[node]);
-        double width = 0;
-        for (const auto& other : {above, below})
-          width += 0.5 * own / (own + std::abs(values[other->second]));
-        ++closed;
-        narrow = narrow || width < double{kLeast.across};
-        thin_sheet = thin_sheet || width < double{kLeast.sheet};
-      }
+      const bool inside = (state[node] & kLabel) != 0;
       const int octant = (at[0] >> 2 & 1) + 2 * (at[1] >> 2 & 1) + 4 * (at[2] >> 2 & 1);
-      const bool is_marked =
-          (at[0] & at[1] & at[2] & 1) && ((narrow && closed >= 2) || (thin_sheet && inside)) &&
-          !reference::is_simple(link) && (active[node / kBrickCells] >> octant & 1);
+      const bool is_marked = (active[node / kBrickCells] >> octant & 1) &&
+                             reference::is_narrow(nodes, state, values, kLeast, at);
       wanted += is_marked;
       (inside ? inside_marks : outside_marks) += is_marked;
       ASSERT_EQ(marked[node], is_marked ? kStuckMark : 0) << node;

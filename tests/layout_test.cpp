@@ -40,9 +40,8 @@ std::optional<int> layer(const std::string& path) {
     std::string prefix;
     int layer;
   };
-  static const std::array<Place, 12> places = {{{"engine/include/vasamesh/pipeline.h", 3},
+  static const std::array<Place, 11> places = {{{"engine/include/vasamesh/pipeline.h", 3},
                                                 {"engine/include/", 0},
-                                                {"engine/backend/buffer.h", 0},
                                                 {"engine/types/", 1},
                                                 {"engine/backend/", 2},
                                                 {"engine/byte_plan.", 3},
@@ -78,7 +77,7 @@ std::string check_library(const std::string& file, const std::string& target) {
       {{"tbb/", "oneapi/"}, {"host/"}},
       {{"CL/"}, {"host/opencl/"}},
       {{"itk", "gdcm"}, {"host/io/"}},
-      {{"vtk"}, {"host/io/", "host/phantom/", "host/picture/"}},
+      {{"vtk"}, {"host/io/", "host/phantom/", "host/picture/", "host/vtk_mesh."}},
       {{"fstream", "iostream", "cstdio", "stdio.h", "filesystem"}, {"host/"}},
   }};
   for (const Rule& rule : rules)

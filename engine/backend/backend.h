@@ -17,9 +17,9 @@
 #include <span>
 #include <string>
 
-#include "backend/buffer.h"
 #include "backend/byte_account.h"
 #include "types/bricks.h"
+#include "types/buffer.h"
 #include "types/fans.h"
 #include "types/front.h"
 #include "types/gaps.h"

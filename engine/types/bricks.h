@@ -7,7 +7,7 @@
 #include <array>
 #include <cstdint>
 
-#include "backend/buffer.h"
+#include "types/buffer.h"
 
 namespace vasamesh {
 

@@ -6,7 +6,7 @@
 
 #include <cstdint>
 
-#include "backend/buffer.h"
+#include "types/buffer.h"
 #include "types/vec3.h"
 
 namespace vasamesh {

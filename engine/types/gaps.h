@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "backend/buffer.h"
+#include "types/buffer.h"
 #include "types/indicator_field.h"
 #include "types/vec3.h"
 

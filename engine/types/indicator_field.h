@@ -12,8 +12,8 @@
 #include <array>
 #include <cstdint>
 
-#include "backend/buffer.h"
 #include "types/bricks.h"
+#include "types/buffer.h"
 #include "types/point_cloud.h"
 #include "types/vec3.h"
 

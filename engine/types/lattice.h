@@ -12,8 +12,8 @@
 #include <array>
 #include <cstdint>
 
-#include "backend/buffer.h"
 #include "types/bricks.h"
+#include "types/buffer.h"
 
 namespace vasamesh {
 
@@ -30,6 +30,11 @@ enum LatticeMark : std::uint8_t {
   kFarMark = 1,    ///< the labels leave the solid too far there
   kStuckMark = 2,  ///< its flip would change the topology, and is wanted or all but
 };
+
+inline constexpr int kNodeBlock = 512;  ///< nodes of a list that a work-group takes
+
+/// How far from zero, at least, the solid's field is at a node that keeps its label.
+inline constexpr float kLeastOccupancy = 0.03f;
 
 /// Voxels: what is narrower is led back to the segmentation (lattice_mark_narrow).
 struct LeastWidths {

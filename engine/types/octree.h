@@ -8,8 +8,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "backend/buffer.h"
 #include "types/bricks.h"
+#include "types/buffer.h"
 #include "types/point_cloud.h"
 
 namespace vasamesh {

@@ -4,7 +4,7 @@
 #include "phantom/random.h"
 #include "phantom/recipe.h"
 
-namespace vasamesh {
+namespace vasamesh::phantom {
 namespace {
 
 constexpr int kSpecks = 10000;
@@ -81,4 +81,4 @@ Recipe speckle_recipe(const PhantomOptions& options) {
   return recipe;
 }
 
-}  // namespace vasamesh
+}  // namespace vasamesh::phantom

@@ -6,7 +6,7 @@
 
 #include "tbb/task_order.h"
 
-namespace vasamesh {
+namespace vasamesh::phantom {
 namespace {
 
 constexpr int kVoxelBlock = 8;
@@ -101,4 +101,4 @@ void draw_line(const std::vector<Vec3>& points, const VoxelGrid& lattice,
   }
 }
 
-}  // namespace vasamesh
+}  // namespace vasamesh::phantom

@@ -11,7 +11,7 @@
 #include "phantom/solid.h"
 #include "vasamesh/types.h"
 
-namespace vasamesh {
+namespace vasamesh::phantom {
 
 using Index3 = std::array<int, 3>;
 
@@ -46,4 +46,4 @@ void voxelise(const Shape& solid, const VoxelGrid& lattice, std::vector<std::uin
 void draw_line(const std::vector<Vec3>& points, const VoxelGrid& lattice,
                std::vector<std::uint8_t>& voxels);
 
-}  // namespace vasamesh
+}  // namespace vasamesh::phantom

@@ -13,6 +13,8 @@
 namespace vasamesh {
 namespace {
 
+using namespace phantom;
+
 /// Which options mean something for a phantom, beside `seed` and `exact`.
 enum Takes : unsigned { kSize = 1, kSpacing = 2, kRadius = 4 };
 
@@ -113,7 +115,7 @@ TriangleMesh surface_of(const Recipe& recipe, const Geometry& geometry, double e
       lattice.node(lattice.size[0] - 1, lattice.size[1] - 1, lattice.size[2] - 1) +
           0.5 * lattice.step);
   const double step = exact_step > 0 ? exact_step : recipe.exact_step;
-  const Vec3 shift = Vec3(geometry.origin.data()) - lattice.start;
+  const phantom::Vec3 shift = phantom::Vec3(geometry.origin.data()) - lattice.start;
   return exact_surface(recipe.solid, border, step * lattice.step.minCoeff(), shift);
 }
 

@@ -6,7 +6,7 @@
 
 #include <cstdint>
 
-namespace vasamesh {
+namespace vasamesh::phantom {
 
 class Random {
  public:
@@ -30,4 +30,4 @@ class Random {
   std::uint64_t state_;
 };
 
-}  // namespace vasamesh
+}  // namespace vasamesh::phantom

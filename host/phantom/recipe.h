@@ -11,7 +11,7 @@
 #include "phantom/phantom.h"
 #include "phantom/solid.h"
 
-namespace vasamesh {
+namespace vasamesh::phantom {
 
 /// Everything before voxelisation. Lengths in mm, in a frame of the recipe's own.
 struct Recipe {
@@ -60,4 +60,4 @@ Recipe cerebral_recipe(const PhantomOptions& options);
 Recipe liver_recipe(const PhantomOptions& options);
 Recipe aorta_recipe(const PhantomOptions& options);
 
-}  // namespace vasamesh
+}  // namespace vasamesh::phantom

@@ -6,7 +6,7 @@
 
 #include "phantom/recipe.h"
 
-namespace vasamesh {
+namespace vasamesh::phantom {
 namespace {
 
 constexpr int kMargin = 4;  ///< background voxels round a shape
@@ -187,4 +187,4 @@ Recipe line_space_diagonal_recipe(const PhantomOptions& options) {
   return line_on_trunk(options, {1, 1, 1});
 }
 
-}  // namespace vasamesh
+}  // namespace vasamesh::phantom

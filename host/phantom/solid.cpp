@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace vasamesh {
+namespace vasamesh::phantom {
 namespace {
 
 double part_distance(const Part& part, const Vec3& p) {
@@ -96,4 +96,4 @@ void append_tube(std::vector<Part>& parts, const std::vector<Vec3>& points,
     parts.emplace_back(RoundCone(points[i], points[i + 1], radius[i], radius[i + 1]));
 }
 
-}  // namespace vasamesh
+}  // namespace vasamesh::phantom

@@ -7,7 +7,7 @@
 #include <variant>
 #include <vector>
 
-namespace vasamesh {
+namespace vasamesh::phantom {
 
 using Vec3 = Eigen::Vector3d;
 
@@ -57,4 +57,4 @@ struct Shape {
 void append_tube(std::vector<Part>& parts, const std::vector<Vec3>& points,
                  const std::vector<double>& radius);
 
-}  // namespace vasamesh
+}  // namespace vasamesh::phantom

@@ -6,7 +6,7 @@
 #include "phantom/solid.h"
 #include "vasamesh/types.h"
 
-namespace vasamesh {
+namespace vasamesh::phantom {
 
 /// The surface of `solid` inside the closed box `border`, where it is cut flat: closed, outward,
 /// every vertex off the border within 1e-4 `step` of the solid's zero set, edges of about `step`
@@ -15,4 +15,4 @@ namespace vasamesh {
 TriangleMesh exact_surface(const Shape& solid, const Eigen::AlignedBox3d& border, double step,
                            const Vec3& shift);
 
-}  // namespace vasamesh
+}  // namespace vasamesh::phantom

@@ -8,7 +8,7 @@
 
 #include "phantom/random.h"
 
-namespace vasamesh {
+namespace vasamesh::phantom {
 namespace {
 
 constexpr int kMostChildren = 2;
@@ -294,4 +294,4 @@ std::vector<Vessel> Growth::vessels() const {
 
 std::vector<Vessel> grow_tree(const TreePlan& plan) { return Growth(plan).run(); }
 
-}  // namespace vasamesh
+}  // namespace vasamesh::phantom

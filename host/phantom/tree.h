@@ -10,7 +10,7 @@
 
 #include "phantom/solid.h"
 
-namespace vasamesh {
+namespace vasamesh::phantom {
 
 /// A vessel with a radius at each of its points; a swept ball.
 struct Vessel {
@@ -47,4 +47,4 @@ inline constexpr double kLargestBend = 2.2;
 /// a point of an earlier one. The same for the same plan.
 std::vector<Vessel> grow_tree(const TreePlan& plan);
 
-}  // namespace vasamesh
+}  // namespace vasamesh::phantom

@@ -11,7 +11,7 @@
 #include "phantom/tree.h"
 #include "vasamesh/errors.h"
 
-namespace vasamesh {
+namespace vasamesh::phantom {
 namespace {
 
 constexpr double kTreeStep = 0.33;
@@ -146,4 +146,4 @@ Recipe aorta_recipe(const PhantomOptions& options) {
   return tree_recipe_of(plan, lattice);
 }
 
-}  // namespace vasamesh
+}  // namespace vasamesh::phantom

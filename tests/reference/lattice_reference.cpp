@@ -85,6 +85,37 @@ bool near_face_centre(const DenseVolume& volume, const std::array<int, 3>& radiu
   return false;
 }
 
+bool is_narrow(const NodePlaces& nodes, const std::vector<std::uint8_t>& state,
+               const std::vector<float>& values, const LeastWidths& least,
+               const std::array<int, 3>& at) {
+  constexpr int kAxes[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  const auto label = [&](int dx, int dy, int dz) {
+    const auto found = nodes.find({at[0] + dx, at[1] + dy, at[2] + dz});
+    return found != nodes.end() && (state[found->second] & kLabel) != 0;
+  };
+  const bool inside = label(0, 0, 0);
+  std::uint32_t link = 0;
+  for (std::size_t i = 0; i < kLink.size(); ++i)
+    link |= std::uint32_t{label(kLink[i].x, kLink[i].y, kLink[i].z)} << i;
+  int closed = 0;
+  bool narrow = false, thin_sheet = false;
+  for (const auto& [dx, dy, dz] : kAxes) {
+    const auto above = nodes.find({at[0] + dx, at[1] + dy, at[2] + dz});
+    const auto below = nodes.find({at[0] - dx, at[1] - dy, at[2] - dz});
+    if (above == nodes.end() || below == nodes.end()) continue;
+    if (label(dx, dy, dz) == inside || label(-dx, -dy, -dz) == inside) continue;
+    const double own = std::abs(values[nodes.at(at)]);
+    double width = 0;
+    for (const auto& other : {above, below})
+      width += 0.5 * own / (own + std::abs(values[other->second]));
+    ++closed;
+    narrow = narrow || width < double{least.across};
+    thin_sheet = thin_sheet || width < double{least.sheet};
+  }
+  return (at[0] & at[1] & at[2] & 1) && ((narrow && closed >= 2) || (thin_sheet && inside)) &&
+         !is_simple(link);
+}
+
 DenseVolume relabelled(const DenseVolume& solid, const Lattice& lattice) {
   DenseVolume nodes = solid;
   const BrickView bricks = lattice.bricks.view();

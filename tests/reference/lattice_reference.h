@@ -6,6 +6,8 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
+#include <vector>
 
 #include "support/dense_volume.h"
 #include "types/lattice.h"
@@ -25,6 +27,14 @@ bool is_face_centre(const DenseVolume& volume, int x, int y, int z);
 /// Whether a face centre lies within `radius` nodes along each axis.
 bool near_face_centre(const DenseVolume& volume, const std::array<int, 3>& radius, int x, int y,
                       int z);
+
+using NodePlaces = std::map<std::array<int, 3>, std::size_t>;
+
+/// Whether Backend::lattice_mark_narrow marks the node at a place where all octants are active.
+/// `state` and `values` have an entry a node.
+bool is_narrow(const NodePlaces& nodes, const std::vector<std::uint8_t>& state,
+               const std::vector<float>& values, const LeastWidths& least,
+               const std::array<int, 3>& at);
 
 /// `solid` (a label a node, of a padded volume) with the labels of the lattice's nodes in their
 /// places.
