@@ -178,7 +178,7 @@ std::vector<Vec3> doubtful_points(const TriangleMesh& from, std::size_t task,
 }
 
 /// Appends the vertices near the places of which no triangle is.
-void add_lone_vertices(const TriangleMesh& mesh, std::vector<std::uint8_t> near,
+void add_lone_vertices(const TriangleMesh& mesh, const std::vector<std::uint8_t>& near,
                        std::vector<Vec3>& found) {
   std::vector<std::uint8_t> lone = near;
   for (std::size_t t = 0; t < mesh.triangle_count(); ++t)
