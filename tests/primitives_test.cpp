@@ -1,11 +1,14 @@
-/// Fills, sums and scans of every backend against plain loops.
+/// Fills, sums, scans and ranges of every backend against plain loops.
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
+#include <iterator>
 #include <numeric>
 #include <random>
 
+#include "backend/ranges.h"
 #include "support/backend_test.h"
 #include "support/brick_sets.h"
 #include "vasamesh/errors.h"
@@ -123,6 +126,53 @@ TEST_P(Primitives, ExclusiveScanUpToItsLimit) {
     FAIL() << "a sum of 2^32 must be refused";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::refused);
+  }
+}
+
+TEST_P(Primitives, RangesCoverAllIndicesOnce) {
+  constexpr std::size_t kGrain = 64;
+  for (const std::size_t count : kCounts) {
+    std::vector<int> by_range(count, 0), by_index(count, 0);
+    for_each_range(backend(), count, kGrain, [&](std::size_t begin, std::size_t end) {
+      EXPECT_EQ(begin % kGrain, 0u);
+      EXPECT_EQ(end, std::min(begin + kGrain, count));
+      for (std::size_t i = begin; i < end; ++i) ++by_range[i];
+    });
+    for_each_index(backend(), count, kGrain, [&](std::size_t i) { ++by_index[i]; });
+    EXPECT_EQ(by_range, std::vector<int>(count, 1));
+    EXPECT_EQ(by_index, std::vector<int>(count, 1));
+  }
+}
+
+TEST_P(Primitives, RangesArePutTogetherInOrder) {
+  constexpr std::size_t kGrain = 64;
+  for (const std::size_t count : kCounts) {
+    const std::vector<float> values = awkward_floats(count, static_cast<std::uint32_t>(count));
+    const auto sum_of = [&](std::size_t begin, std::size_t end) {
+      return std::accumulate(values.begin() + static_cast<std::ptrdiff_t>(begin),
+                             values.begin() + static_cast<std::ptrdiff_t>(end), 0.0f);
+    };
+    std::vector<float> sums, positive;
+    float sum = 0;
+    for (std::size_t i = 0; i < count; i += kGrain) {
+      sums.push_back(sum_of(i, std::min(i + kGrain, count)));
+      sum += sums.back();
+    }
+    std::copy_if(values.begin(), values.end(), std::back_inserter(positive),
+                 [](float value) { return value > 0; });
+    EXPECT_EQ(map_ranges(backend(), count, kGrain, sum_of), sums) << count;
+    EXPECT_EQ(reduce_ranges(backend(), count, kGrain, 0.0f, sum_of), sum) << count;
+    EXPECT_EQ(reduce_ranges(backend(), count, kGrain, -1.0f, sum_of,
+                            [](float, float last) { return last; }),
+              sums.empty() ? -1.0f : sums.back())
+        << count;
+    EXPECT_EQ(collect<float>(backend(), count, kGrain,
+                             [&](std::size_t begin, std::size_t end, std::vector<float>& found) {
+                               for (std::size_t i = begin; i < end; ++i)
+                                 if (values[i] > 0) found.push_back(values[i]);
+                             }),
+              positive)
+        << count;
   }
 }
 

@@ -1,9 +1,9 @@
 #include "stages/adjacency.h"
 
-#include <algorithm>
 #include <utility>
 
 #include "backend/in_steps.h"
+#include "backend/ranges.h"
 #include "stages/disjoint_sets.h"
 #include "vasamesh/errors.h"
 
@@ -29,15 +29,12 @@ VertexCorners vertex_corners(const Backend& backend, const TriangleMesh& mesh) {
 
 std::vector<std::uint32_t> connect_vertices(Backend& backend, const TriangleMesh& mesh,
                                             std::span<const std::uint8_t> chosen) {
-  constexpr std::size_t kTask = 16384;  // triangles
+  constexpr std::size_t kGrain = 16384;  // triangles a task takes
   DisjointSets sets(mesh.vertex_count());
-  const std::size_t count = mesh.triangle_count();
-  backend.run((count + kTask - 1) / kTask, [&](std::size_t task) {
-    for (std::size_t t = task * kTask; t < std::min((task + 1) * kTask, count); ++t) {
-      if (!chosen.empty() && !chosen[t]) continue;
-      sets.unite(mesh.triangles[3 * t], mesh.triangles[3 * t + 1]);
-      sets.unite(mesh.triangles[3 * t], mesh.triangles[3 * t + 2]);
-    }
+  for_each_index(backend, mesh.triangle_count(), kGrain, [&](std::size_t t) {
+    if (!chosen.empty() && !chosen[t]) return;
+    sets.unite(mesh.triangles[3 * t], mesh.triangles[3 * t + 1]);
+    sets.unite(mesh.triangles[3 * t], mesh.triangles[3 * t + 2]);
   });
   return std::move(sets).roots();
 }

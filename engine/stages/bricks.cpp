@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "backend/ranges.h"
+
 namespace vasamesh {
 
 namespace {
@@ -113,14 +115,12 @@ Buffer<std::int32_t> brick_windows(Backend& backend, std::span<const BrickCoord>
   const RowTable rows(bricks);
   const auto volume = static_cast<std::size_t>(side * side * side);
   std::vector<std::int32_t> table(volume * corners.size());
-  constexpr std::size_t kBlock = 256;
-  backend.run((corners.size() + kBlock - 1) / kBlock, [&](std::size_t block) {
-    const std::size_t end = std::min((block + 1) * kBlock, corners.size());
-    for (std::size_t i = block * kBlock; i < end; ++i)
-      for (int z = 0; z < side; ++z)
-        for (int y = 0; y < side; ++y)
-          rows.find_run(corners[i].x, corners[i].y + y, corners[i].z + z, side,
-                        &table[volume * i + static_cast<std::size_t>(side * (y + side * z))]);
+  constexpr std::size_t kGrain = 256;
+  for_each_index(backend, corners.size(), kGrain, [&](std::size_t i) {
+    for (int z = 0; z < side; ++z)
+      for (int y = 0; y < side; ++y)
+        rows.find_run(corners[i].x, corners[i].y + y, corners[i].z + z, side,
+                      &table[volume * i + static_cast<std::size_t>(side * (y + side * z))]);
   });
   Buffer<std::int32_t> windows(backend, table.size());
   backend.upload<std::int32_t>(windows.view(), table);
@@ -148,18 +148,13 @@ std::vector<BrickCoord> dilate_by_octants(Backend& backend, std::span<const Bric
   const LayerTable layers(coords);
   std::vector<std::uint32_t> reached(coords.size());
   std::transform(octants.begin(), octants.end(), reached.begin(), reached_by);
-  std::vector<std::vector<BrickCoord>> dilated(layers.count() + 2);  // and one on either side
-  backend.run(dilated.size(), [&](std::size_t layer) {
-    std::vector<BrickCoord>& found = dilated[layer];
+  const auto dilate = [&](std::size_t layer, std::size_t /*end*/, std::vector<BrickCoord>& found) {
     const int z = layers.z_min + static_cast<int>(layer) - 1;
     for (const int dz : {-1, 0, 1})
       for (const std::uint32_t i : layers.at(z - dz)) add_reached(coords[i], reached[i], dz, found);
     sort_unique(found);
-  });
-  std::vector<BrickCoord> all;
-  for (const std::vector<BrickCoord>& layer : dilated)
-    all.insert(all.end(), layer.begin(), layer.end());
-  return all;
+  };
+  return collect<BrickCoord>(backend, layers.count() + 2, 1, dilate);  // one more on either side
 }
 
 }  // namespace vasamesh

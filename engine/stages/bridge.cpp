@@ -5,13 +5,14 @@
 #include <tuple>
 #include <utility>
 
+#include "backend/ranges.h"
 #include "types/angles.h"
 
 namespace vasamesh {
 
 namespace {
 
-constexpr std::size_t kChunk = 256;          // loops a task takes
+constexpr std::size_t kGrain = 256;          // loops a task takes
 constexpr float kBridgeReach = 3;            // longest bridge, in longest edges of its loop
 constexpr std::size_t kMostTrials = 2000;    // bridges or chords tried for a loop
 constexpr std::uint32_t kMostStarts = 1024;  // corners of a long loop from which chords are tried,
@@ -294,9 +295,9 @@ class Bridger {
 std::vector<float> find_turnings(Backend& backend, const TriangleMesh& mesh, const GapLoops& loops,
                                  const GapRim& rim) {
   std::vector<float> result(loops.count());
-  backend.run((loops.count() + kChunk - 1) / kChunk, [&](std::size_t chunk) {
+  for_each_range(backend, loops.count(), kGrain, [&](std::size_t begin, std::size_t end) {
     std::vector<Vec3> points, normals;
-    for (std::size_t l = chunk * kChunk; l < std::min((chunk + 1) * kChunk, loops.count()); ++l) {
+    for (std::size_t l = begin; l < end; ++l) {
       points.clear();
       normals.clear();
       for (std::uint32_t v : loops[l]) {

@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include "backend/in_steps.h"
+#include "backend/ranges.h"
 #include "types/angles.h"
 #include "types/mesh_vertex.h"
 
@@ -32,14 +33,13 @@ Cell moved(const Cell& cell, int sign, int corner) {
 std::vector<float> corner_angles(Backend& backend, const TriangleMesh& mesh) {
   const std::size_t count = mesh.triangle_count();
   std::vector<float> angles(3 * count);
-  backend.run((count + kGrain - 1) / kGrain, [&](std::size_t task) {
-    for (std::size_t t = task * kGrain; t < std::min((task + 1) * kGrain, count); ++t)
-      for (std::size_t i = 0; i < 3; ++i) {
-        const Vec3 p = vertex_at(mesh, mesh.triangles[3 * t + i]);
-        const Vec3 a = vertex_at(mesh, mesh.triangles[3 * t + (i + 1) % 3]) - p;
-        const Vec3 b = vertex_at(mesh, mesh.triangles[3 * t + (i + 2) % 3]) - p;
-        angles[3 * t + i] = angle_of(dot(a, b), norm(cross(a, b)));
-      }
+  for_each_index(backend, count, kGrain, [&](std::size_t t) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Vec3 p = vertex_at(mesh, mesh.triangles[3 * t + i]);
+      const Vec3 a = vertex_at(mesh, mesh.triangles[3 * t + (i + 1) % 3]) - p;
+      const Vec3 b = vertex_at(mesh, mesh.triangles[3 * t + (i + 2) % 3]) - p;
+      angles[3 * t + i] = angle_of(dot(a, b), norm(cross(a, b)));
+    }
   });
   return angles;
 }

@@ -5,6 +5,7 @@
 #include <numeric>
 #include <span>
 
+#include "backend/ranges.h"
 #include "stages/curvature.h"
 #include "stages/distance.h"
 #include "stages/intersect.h"
@@ -16,18 +17,8 @@ namespace vasamesh {
 
 namespace {
 
-constexpr float kFarShare = 0.5f;    // of the largest distance
-constexpr std::size_t kTask = 4096;  // vertices
-
-/// visit(task, v) for all vertices, task by task.
-template <class Visit>
-void for_each_vertex(Backend& backend, const TriangleMesh& mesh, const Visit& visit) {
-  const std::size_t count = mesh.vertex_count();
-  backend.run((count + kTask - 1) / kTask, [&](std::size_t task) {
-    for (std::size_t v = task * kTask; v < std::min((task + 1) * kTask, count); ++v)
-      visit(task, static_cast<std::uint32_t>(v));
-  });
-}
+constexpr float kFarShare = 0.5f;     // of the largest distance
+constexpr std::size_t kGrain = 4096;  // vertices a task takes
 
 std::int64_t euler_number(const TriangleMesh& closed) {
   return static_cast<std::int64_t>(closed.vertex_count()) -
@@ -46,7 +37,7 @@ struct Edges {
     std::vector<std::uint32_t> next(first.begin(), first.end() - 1);
     for (std::size_t c = 0; c < mesh.triangles.size(); ++c)
       target[next[mesh.triangles[c]]++] = mesh.triangles[c % 3 == 2 ? c - 2 : c + 1];
-    for_each_vertex(backend, mesh, [&](std::size_t, std::uint32_t v) {
+    for_each_index(backend, mesh.vertex_count(), kGrain, [&](std::size_t v) {
       std::sort(target.begin() + first[v], target.begin() + first[v + 1]);
     });
   }
@@ -58,19 +49,17 @@ struct Edges {
 /// The first vertices of the edges that have not one triangle on each side.
 std::vector<std::uint32_t> bad_edges(Backend& backend, const TriangleMesh& mesh) {
   const Edges edges(backend, mesh);
-  std::vector<std::vector<std::uint32_t>> parts((mesh.vertex_count() + kTask - 1) / kTask);
-  for_each_vertex(backend, mesh, [&](std::size_t task, std::uint32_t v) {
-    const std::span<const std::uint32_t> targets = edges.from(v);
-    for (std::size_t i = 0; i < targets.size(); ++i) {
-      const std::span<const std::uint32_t> back = edges.from(targets[i]);
-      if (std::count(back.begin(), back.end(), v) != 1 || (i > 0 && targets[i] == targets[i - 1]))
-        parts[task].push_back(v);
+  const auto find = [&](std::size_t begin, std::size_t end, std::vector<std::uint32_t>& bad) {
+    for (auto v = static_cast<std::uint32_t>(begin); v < end; ++v) {
+      const std::span<const std::uint32_t> targets = edges.from(v);
+      for (std::size_t i = 0; i < targets.size(); ++i) {
+        const std::span<const std::uint32_t> back = edges.from(targets[i]);
+        if (std::count(back.begin(), back.end(), v) != 1 || (i > 0 && targets[i] == targets[i - 1]))
+          bad.push_back(v);
+      }
     }
-  });
-  std::vector<std::uint32_t> bad;
-  for (const std::vector<std::uint32_t>& part : parts)
-    bad.insert(bad.end(), part.begin(), part.end());
-  return bad;
+  };
+  return collect<std::uint32_t>(backend, mesh.vertex_count(), kGrain, find);
 }
 
 bool is_in_cube(const Vec3& middle, const Vec3& p) {

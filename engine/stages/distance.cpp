@@ -6,6 +6,7 @@
 #include <cmath>
 #include <string>
 
+#include "backend/ranges.h"
 #include "stages/triangle_tree.h"
 #include "types/mesh_vertex.h"
 #include "types/vec3d.h"
@@ -15,13 +16,8 @@ namespace vasamesh {
 
 namespace {
 
-constexpr std::size_t kTriangles = 1024;  // or points: that a task samples
-constexpr double kMostCuts = 4096;        // of a triangle's edge
-
-std::size_t parts_of(std::size_t count) { return (count + kTriangles - 1) / kTriangles; }
-std::size_t part_end(std::size_t part, std::size_t count) {
-  return std::min((part + 1) * kTriangles, count);
-}
+constexpr std::size_t kGrain = 1024;  // triangles or points that a task samples
+constexpr double kMostCuts = 4096;    // of a triangle's edge
 
 struct Triangle {
   Vec3d a, b, c;
@@ -127,6 +123,10 @@ struct Sums {
     square += weight * d * d;
     maximum = std::max(maximum, d);
   }
+  Sums operator+(const Sums& other) const {
+    return {area + other.area, distance + other.distance, square + other.square,
+            std::max(maximum, other.maximum)};
+  }
 };
 
 double distance_of(Nearest& nearest, const Vec3d& p) {
@@ -162,26 +162,20 @@ std::vector<std::uint32_t> first_places(const TriangleMesh& mesh, const Triangle
 OneWayDistance one_way(Backend& backend, const TriangleMesh& from, const TriangleTree& from_tree,
                        const TriangleMesh& to, const TriangleTree& to_tree, double step) {
   const std::vector<std::uint32_t> first = first_places(from, from_tree);
-  const std::size_t count = from_tree.order.size();
-  std::vector<Sums> parts(parts_of(count));
-  backend.run(parts.size(), [&](std::size_t part) {
+  const auto sample = [&](std::size_t begin, std::size_t end) {
     Nearest nearest(to, to_tree);
-    for (std::size_t i = part * kTriangles; i < part_end(part, count); ++i) {
+    Sums sums;
+    for (std::size_t i = begin; i < end; ++i) {
       const std::size_t t = from_tree.order[i];
-      sample_triangle(triangle(from, t), step, nearest, parts[part]);
+      sample_triangle(triangle(from, t), step, nearest, sums);
       for (int k = 0; k < 3; ++k) {
         const std::uint32_t v = from.triangles[3 * t + k];
-        if (first[v] == i) parts[part].add(0, distance_of(nearest, vertex(from, v)));
+        if (first[v] == i) sums.add(0, distance_of(nearest, vertex(from, v)));
       }
     }
-  });
-  Sums total;
-  for (const Sums& part : parts) {
-    total.area += part.area;
-    total.distance += part.distance;
-    total.square += part.square;
-    total.maximum = std::max(total.maximum, part.maximum);
-  }
+    return sums;
+  };
+  const Sums total = reduce_ranges(backend, from_tree.order.size(), kGrain, Sums{}, sample);
   if (total.area <= 0) return {0, 0, total.maximum};
   return {total.distance / total.area, std::sqrt(total.square / total.area), total.maximum};
 }
@@ -219,9 +213,9 @@ NearestTriangles nearest_triangles(Backend& backend, std::span<const Vec3> point
                                    float enough) {
   NearestTriangles found{std::vector<float>(points.size()),
                          std::vector<std::uint32_t>(points.size())};
-  backend.run(parts_of(points.size()), [&](std::size_t part) {
+  for_each_range(backend, points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     Nearest nearest(surface, tree);
-    for (std::size_t i = part * kTriangles; i < part_end(part, points.size()); ++i) {
+    for (std::size_t i = begin; i < end; ++i) {
       const Vec3& p = points[i];
       found.distances[i] = static_cast<float>(nearest.distance({p.x, p.y, p.z}, double{enough}));
       found.triangles[i] = nearest.found();

@@ -4,6 +4,9 @@
 #include <atomic>
 #include <bit>
 #include <memory>
+#include <utility>
+
+#include "backend/ranges.h"
 
 namespace vasamesh {
 
@@ -206,23 +209,19 @@ CornerCounts count_corners(Backend& backend, const BitView& object, const RunTab
                            int connectivity) {
   const auto table = make_table(connectivity);
   const auto euler = std::make_unique<std::atomic<std::int64_t>[]>(piece_count);
-  const int layers = object.size[2];
-  const std::size_t slabs = (layers + kSlab - 1) / kSlab;
-  std::vector<Finding> edges(slabs), corners(slabs);
-  backend.run(slabs, [&](std::size_t s) {
+
+  const auto count = [&](std::size_t begin, std::size_t end) {
     Counter counter(object, runs, piece, table, euler.get());
-    const int first = static_cast<int>(s) * kSlab;
-    for (int z = std::max(first, 1); z < std::min(first + kSlab, layers); ++z)
-      for (int y = 1; y < object.size[1]; ++y) counter.count_row(y, z);
-    edges[s] = counter.edge_contacts;
-    corners[s] = counter.corner_contacts;
-  });
+    for (std::size_t z = std::max<std::size_t>(begin, 1); z < end; ++z)
+      for (int y = 1; y < object.size[1]; ++y) counter.count_row(y, static_cast<int>(z));
+    return std::pair{counter.edge_contacts, counter.corner_contacts};
+  };
   CornerCounts result;
-  for (std::size_t p = 0; p < piece_count; ++p) result.euler.push_back(euler[p] / 8);
-  for (std::size_t s = 0; s < slabs; ++s) {
-    append(result.edge_contacts, edges[s]);
-    append(result.corner_contacts, corners[s]);
+  for (const auto& [edges, corners] : map_ranges(backend, object.size[2], kSlab, count)) {
+    append(result.edge_contacts, edges);
+    append(result.corner_contacts, corners);
   }
+  for (std::size_t p = 0; p < piece_count; ++p) result.euler.push_back(euler[p] / 8);
   return result;
 }
 

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "backend/ranges.h"
 #include "stages/adjacency.h"
 #include "types/mesh_vertex.h"
 
@@ -94,13 +95,10 @@ Front take_patches(Backend& backend, const FieldView& field, const SizeView& siz
   front.bring_to_host();
   std::vector<Vec3> normals(count);
   const VertexCorners corners = vertex_corners(backend, patches);
-  backend.run((count + kGrain - 1) / kGrain, [&](std::size_t task) {
-    const std::size_t end = std::min((task + 1) * kGrain, count);
-    for (std::size_t v = task * kGrain; v < end; ++v) {
-      const Vec3 own = triangles_normal(patches, corners, v);
-      const Vec3 smooth = -normalised(sample_field(field, vertex_at(patches, v)).gradient);
-      normals[v] = dot(own, smooth) > kAgree ? smooth : own;
-    }
+  for_each_index(backend, count, kGrain, [&](std::size_t v) {
+    const Vec3 own = triangles_normal(patches, corners, v);
+    const Vec3 smooth = -normalised(sample_field(field, vertex_at(patches, v)).gradient);
+    normals[v] = dot(own, smooth) > kAgree ? smooth : own;
   });
   for (std::size_t v = 0; v < count; ++v) {
     const Vec3 p = vertex_at(patches, v);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <iterator>
 
+#include "backend/ranges.h"
 #include "stages/expand_checks.h"
 #include "stages/expand_place.h"
 #include "stages/expand_rules.h"
@@ -126,10 +127,8 @@ bool FrontSeeds::is_covered(const FrontView& front, std::uint32_t sample) const 
 
 void FrontSeeds::drop_covered(Backend& backend, const FrontView& front) {
   std::vector<std::uint8_t> covered(open_.size());
-  backend.run((open_.size() + kGrain - 1) / kGrain, [&](std::size_t task) {
-    const std::size_t end = std::min((task + 1) * kGrain, open_.size());
-    for (std::size_t i = task * kGrain; i < end; ++i) covered[i] = is_covered(front, open_[i]);
-  });
+  for_each_index(backend, open_.size(), kGrain,
+                 [&](std::size_t i) { covered[i] = is_covered(front, open_[i]); });
   std::size_t kept = 0;
   for (std::size_t i = 0; i < open_.size(); ++i)
     if (!covered[i]) open_[kept++] = open_[i];

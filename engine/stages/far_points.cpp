@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <span>
 
+#include "backend/ranges.h"
 #include "stages/distance.h"
 #include "stages/near_triangles.h"
 #include "types/mesh_vertex.h"
@@ -14,14 +15,9 @@ namespace vasamesh {
 
 namespace {
 
-constexpr std::size_t kTask = 1024;  // triangles or vertices
-constexpr float kFinest = 0.2f;      // edge length that is not halved any more
-constexpr float kEnough = 0.5f;      // of the limit: distances below need not be told apart
-
-std::size_t tasks(std::size_t count) { return (count + kTask - 1) / kTask; }
-std::size_t task_end(std::size_t task, std::size_t count) {
-  return std::min((task + 1) * kTask, count);
-}
+constexpr std::size_t kGrain = 1024;  // triangles or vertices a task takes
+constexpr float kFinest = 0.2f;       // edge length that is not halved any more
+constexpr float kEnough = 0.5f;       // of the limit: distances below need not be told apart
 
 /// Triangles that follow one another round a few vertices: of a polygon of marching cubes, as a
 /// rule.
@@ -149,9 +145,8 @@ std::vector<std::uint8_t> vertices_near(Backend& backend, const Places& places,
                                         const TriangleMesh& mesh) {
   std::vector<std::uint8_t> near(mesh.vertex_count(), 1);
   if (places.empty()) return near;
-  backend.run(tasks(near.size()), [&](std::size_t task) {
-    for (std::size_t v = task * kTask; v < task_end(task, near.size()); ++v)
-      near[v] = places.hold(vertex_at(mesh, v), Places::kMargin);
+  for_each_index(backend, near.size(), kGrain, [&](std::size_t v) {
+    near[v] = places.hold(vertex_at(mesh, v), Places::kMargin);
   });
   return near;
 }
@@ -161,24 +156,22 @@ bool is_near(const TriangleMesh& mesh, std::size_t t, const std::vector<std::uin
   return near[v[0]] && near[v[1]] && near[v[2]];
 }
 
-/// The points of a task's triangles near the places that may be too far.
-std::vector<Vec3> doubtful_points(const TriangleMesh& from, std::size_t task,
-                                  const std::vector<std::uint8_t>& near, Search& search) {
-  std::vector<Vec3> found;
+/// Appends the points of the triangles begin .. end - 1 near the places that may be too far.
+void find_doubtful(const TriangleMesh& from, std::size_t begin, std::size_t end,
+                   const std::vector<std::uint8_t>& near, Search& search,
+                   std::vector<Vec3>& found) {
   Run run;
-  const std::size_t end = task_end(task, from.triangle_count());
-  for (std::size_t t = task * kTask; t < end; ++t) {
+  for (std::size_t t = begin; t < end; ++t) {
     if (!is_near(from, t, near) || run.take(from, t)) continue;
     search.add_points_of(run, found);
     run.clear();
     run.take(from, t);
   }
   if (!run.triangles().empty()) search.add_points_of(run, found);
-  return found;
 }
 
 /// Appends the vertices near the places of which no triangle is.
-void add_lone_vertices(const TriangleMesh& mesh, std::vector<std::uint8_t> near,
+void add_lone_vertices(const TriangleMesh& mesh, const std::vector<std::uint8_t>& near,
                        std::vector<Vec3>& found) {
   std::vector<std::uint8_t> lone = near;
   for (std::size_t t = 0; t < mesh.triangle_count(); ++t)
@@ -202,14 +195,11 @@ std::vector<Vec3> points_beyond(Backend& backend, float limit, const TriangleMes
                                 const TriangleMesh& to, const TriangleTree& tree,
                                 const Places& places) {
   const std::vector<std::uint8_t> near = vertices_near(backend, places, from);
-  std::vector<std::vector<Vec3>> parts(tasks(from.triangle_count()));
-  backend.run(parts.size(), [&](std::size_t task) {
+  const auto find = [&](std::size_t begin, std::size_t end, std::vector<Vec3>& found) {
     Search search(to, tree, limit);
-    parts[task] = doubtful_points(from, task, near, search);
-  });
-  std::vector<Vec3> doubtful;
-  for (const std::vector<Vec3>& part : parts)
-    doubtful.insert(doubtful.end(), part.begin(), part.end());
+    find_doubtful(from, begin, end, near, search, found);
+  };
+  std::vector<Vec3> doubtful = collect<Vec3>(backend, from.triangle_count(), kGrain, find);
   add_lone_vertices(from, near, doubtful);
   sort_unique(doubtful);
   const std::vector<float> distances =

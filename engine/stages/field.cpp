@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "backend/ranges.h"
+
 namespace vasamesh {
 
 namespace {
@@ -84,10 +86,8 @@ IndicatorField make_field(Backend& backend, const Lattice& lattice, const std::a
   field.coefficients = Buffer<float>(backend, bricks.count * kBrickCells);
   const float* values = backend.on_host(View<const float>(lattice.values.view())).data();
   float* coefficients = backend.on_host(field.coefficients.view()).data();
-  backend.run((bricks.count + kGrain - 1) / kGrain, [&](std::size_t task) {
-    const std::size_t end = std::min((task + 1) * kGrain, bricks.count);
-    for (std::size_t b = task * kGrain; b < end; ++b)
-      brick_coefficients(bricks, values, b, coefficients + kBrickCells * b);
+  for_each_index(backend, bricks.count, kGrain, [&](std::size_t b) {
+    brick_coefficients(bricks, values, b, coefficients + kBrickCells * b);
   });
   return field;
 }

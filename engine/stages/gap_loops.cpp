@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "backend/ranges.h"
 #include "stages/adjacency.h"
 #include "types/angles.h"
 #include "types/mesh_vertex.h"
@@ -12,7 +13,7 @@ namespace vasamesh {
 
 namespace {
 
-constexpr std::size_t kChunk = 16384;  // vertices a task takes
+constexpr std::size_t kGrain = 16384;  // vertices a task takes
 constexpr std::uint32_t kNone = 0xffffffffu;
 
 /// A gap's corner: the loop goes previous -> vertex -> next.
@@ -118,16 +119,11 @@ class CornerFinder {
 /// All corners, by vertex, then by previous vertex.
 std::vector<Corner> find_corners(Backend& backend, const TriangleMesh& mesh) {
   const VertexCorners corners = vertex_corners(backend, mesh);
-  std::vector<std::vector<Corner>> parts((mesh.vertex_count() + kChunk - 1) / kChunk);
-  backend.run(parts.size(), [&](std::size_t part) {
+  const auto find = [&](std::size_t begin, std::size_t end, std::vector<Corner>& found) {
     CornerFinder finder(mesh, corners);
-    const std::size_t end = std::min((part + 1) * kChunk, mesh.vertex_count());
-    for (std::size_t v = part * kChunk; v < end; ++v)
-      finder.find(static_cast<std::uint32_t>(v), parts[part]);
-  });
-  std::vector<Corner> all;
-  for (const auto& part : parts) all.insert(all.end(), part.begin(), part.end());
-  return all;
+    for (std::size_t v = begin; v < end; ++v) finder.find(static_cast<std::uint32_t>(v), found);
+  };
+  return collect<Corner>(backend, mesh.vertex_count(), kGrain, find);
 }
 
 /// The corner that follows each.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "backend/ranges.h"
 #include "stages/gap_rules.h"
 #include "vasamesh/errors.h"
 
@@ -9,9 +10,7 @@ namespace vasamesh {
 
 namespace {
 
-constexpr std::size_t kTriangleChunk = 16384;
-constexpr std::size_t kVertexChunk = 1024;
-constexpr std::size_t kLoopChunk = 256;
+constexpr std::size_t kTriangleGrain = 16384, kVertexGrain = 1024, kLoopGrain = 256;
 
 }  // namespace
 
@@ -37,52 +36,44 @@ void GapRim::collect_edges(Backend& backend, const TriangleMesh& mesh) {
     std::uint32_t slot;
     Spoke spoke;
   };
-  const std::size_t triangles = mesh.triangle_count();
-  std::vector<std::vector<Edge>> parts((triangles + kTriangleChunk - 1) / kTriangleChunk);
-  backend.run(parts.size(), [&](std::size_t part) {
-    const std::size_t end = std::min((part + 1) * kTriangleChunk, triangles);
-    for (std::size_t t = part * kTriangleChunk; t < end; ++t) {
+  const auto find = [&](std::size_t begin, std::size_t end, std::vector<Edge>& found) {
+    for (std::size_t t = begin; t < end; ++t) {
       const std::uint32_t* v = mesh.triangles.data() + 3 * t;
       const std::uint32_t slot[3] = {slot_[v[0]], slot_[v[1]], slot_[v[2]]};
       for (int i = 0; i < 3; ++i) {
         const int j = (i + 1) % 3, k = (i + 2) % 3;
         if (slot[i] == kNoVertex || slot[j] == kNoVertex) continue;
-        parts[part].push_back({slot[i], {v[j], kNoVertex}});
-        parts[part].push_back({slot[j], {v[i], v[k]}});
+        found.push_back({slot[i], {v[j], kNoVertex}});
+        found.push_back({slot[j], {v[i], v[k]}});
       }
     }
-  });
+  };
+  const std::vector<Edge> edges =
+      collect<Edge>(backend, mesh.triangle_count(), kTriangleGrain, find);
   first_.assign(vertex_.size() + 2, 0);
-  for (const auto& part : parts)
-    for (const Edge& edge : part) ++first_[edge.slot + 2];
+  for (const Edge& edge : edges) ++first_[edge.slot + 2];
   for (std::size_t s = 2; s < first_.size(); ++s) first_[s] += first_[s - 1];
   spokes_.resize(first_.back());
-  for (const auto& part : parts)
-    for (const Edge& edge : part) spokes_[first_[edge.slot + 1]++] = edge.spoke;
+  for (const Edge& edge : edges) spokes_[first_[edge.slot + 1]++] = edge.spoke;
   first_.pop_back();
 }
 
 void GapRim::check_loops(Backend& backend, const GapLoops& loops) const {
-  backend.run((loops.count() + kLoopChunk - 1) / kLoopChunk, [&](std::size_t chunk) {
-    const std::size_t end = std::min((chunk + 1) * kLoopChunk, loops.count());
-    for (std::size_t l = chunk * kLoopChunk; l < end; ++l)
-      for (std::size_t i = 0; i < loops.size(l); ++i) {
-        const std::uint32_t a = loops[l][i], b = loops[l][(i + 1) % loops.size(l)];
-        if (across(a, b) == kNoVertex || across(b, a) != kNoVertex)
-          throw Error(ErrorCode::internal, "gaps: an edge of a loop is not on the boundary");
-      }
+  for_each_index(backend, loops.count(), kLoopGrain, [&](std::size_t l) {
+    for (std::size_t i = 0; i < loops.size(l); ++i) {
+      const std::uint32_t a = loops[l][i], b = loops[l][(i + 1) % loops.size(l)];
+      if (across(a, b) == kNoVertex || across(b, a) != kNoVertex)
+        throw Error(ErrorCode::internal, "gaps: an edge of a loop is not on the boundary");
+    }
   });
 }
 
 void GapRim::find_normals(Backend& backend, const FieldView& field, const TriangleMesh& mesh) {
   normals_.resize(vertex_.size());
-  backend.run((vertex_.size() + kVertexChunk - 1) / kVertexChunk, [&](std::size_t chunk) {
-    const std::size_t end = std::min((chunk + 1) * kVertexChunk, vertex_.size());
-    for (std::size_t s = chunk * kVertexChunk; s < end; ++s) {
-      const FieldSample sample = sample_field(field, vertex_at(mesh, vertex_[s]));
-      const bool usable = sample.known && squared_norm(sample.gradient) > 0;
-      normals_[s] = normalised(usable ? -sample.gradient : normal_of_triangles(mesh, s));
-    }
+  for_each_index(backend, vertex_.size(), kVertexGrain, [&](std::size_t s) {
+    const FieldSample sample = sample_field(field, vertex_at(mesh, vertex_[s]));
+    const bool usable = sample.known && squared_norm(sample.gradient) > 0;
+    normals_[s] = normalised(usable ? -sample.gradient : normal_of_triangles(mesh, s));
   });
 }
 

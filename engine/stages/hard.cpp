@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <utility>
 
+#include "backend/ranges.h"
 #include "stages/adjacency.h"
 #include "stages/disjoint_sets.h"
 #include "types/mesh_vertex.h"
@@ -82,15 +83,11 @@ enum Nearness : std::uint8_t { kAway, kNear, kWithin };  ///< of a vertex to a h
 /// Which vertices lie within the growth of a hard cell, or in it.
 std::vector<std::uint8_t> near_vertices(Backend& backend, const SizeView& distance,
                                         const SizeView& sizes, const TriangleMesh& surface) {
-  const std::size_t count = surface.vertex_count();
-  std::vector<std::uint8_t> near(count);
-  backend.run((count + kSurfaceGrain - 1) / kSurfaceGrain, [&](std::size_t task) {
-    const std::size_t end = std::min((task + 1) * kSurfaceGrain, count);
-    for (std::size_t v = task * kSurfaceGrain; v < end; ++v) {
-      const Vec3 at = vertex_at(surface, v);
-      const float apart = size_at(distance, at);
-      near[v] = !(apart > 0) ? kWithin : apart <= kGrowth * size_at(sizes, at) ? kNear : kAway;
-    }
+  std::vector<std::uint8_t> near(surface.vertex_count());
+  for_each_index(backend, near.size(), kSurfaceGrain, [&](std::size_t v) {
+    const Vec3 at = vertex_at(surface, v);
+    const float apart = size_at(distance, at);
+    near[v] = !(apart > 0) ? kWithin : apart <= kGrowth * size_at(sizes, at) ? kNear : kAway;
   });
   return near;
 }
@@ -98,14 +95,10 @@ std::vector<std::uint8_t> near_vertices(Backend& backend, const SizeView& distan
 /// The triangles with a flagged vertex.
 std::vector<std::uint8_t> triangles_at(Backend& backend, const std::vector<std::uint8_t>& flagged,
                                        const TriangleMesh& surface) {
-  const std::size_t count = surface.triangle_count();
-  std::vector<std::uint8_t> hard(count);
-  backend.run((count + kSurfaceGrain - 1) / kSurfaceGrain, [&](std::size_t task) {
-    const std::size_t end = std::min((task + 1) * kSurfaceGrain, count);
-    for (std::size_t t = task * kSurfaceGrain; t < end; ++t) {
-      const std::uint32_t* v = &surface.triangles[3 * t];
-      hard[t] = flagged[v[0]] || flagged[v[1]] || flagged[v[2]];
-    }
+  std::vector<std::uint8_t> hard(surface.triangle_count());
+  for_each_index(backend, hard.size(), kSurfaceGrain, [&](std::size_t t) {
+    const std::uint32_t* v = &surface.triangles[3 * t];
+    hard[t] = flagged[v[0]] || flagged[v[1]] || flagged[v[2]];
   });
   return hard;
 }
@@ -115,19 +108,15 @@ std::vector<std::uint8_t> triangles_at(Backend& backend, const std::vector<std::
 std::vector<std::uint64_t> spokes_of(Backend& backend, const TriangleMesh& surface,
                                      const std::vector<std::uint8_t>& hard,
                                      const std::vector<std::uint8_t>& flagged) {
-  std::vector<std::vector<std::uint64_t>> parts((hard.size() + kSurfaceGrain - 1) / kSurfaceGrain);
-  backend.run(parts.size(), [&](std::size_t task) {
-    const std::size_t end = std::min((task + 1) * kSurfaceGrain, hard.size());
-    for (std::size_t c = 3 * task * kSurfaceGrain; c < 3 * end; ++c) {
+  const auto find = [&](std::size_t begin, std::size_t end, std::vector<std::uint64_t>& found) {
+    for (std::size_t c = 3 * begin; c < 3 * end; ++c) {
       const std::uint32_t v = surface.triangles[c];
       if (!hard[c / 3] || flagged[v]) continue;
       for (const std::size_t other : {c / 3 * 3 + (c + 1) % 3, c / 3 * 3 + (c + 2) % 3})
-        parts[task].push_back(std::uint64_t{v} << 32 | surface.triangles[other]);
+        found.push_back(std::uint64_t{v} << 32 | surface.triangles[other]);
     }
-  });
-  std::vector<std::uint64_t> spokes;
-  for (const std::vector<std::uint64_t>& part : parts)
-    spokes.insert(spokes.end(), part.begin(), part.end());
+  };
+  auto spokes = collect<std::uint64_t>(backend, hard.size(), kSurfaceGrain, find);
   std::sort(spokes.begin(), spokes.end());
   return spokes;
 }
@@ -159,10 +148,8 @@ void drop_islands(Backend& backend, const TriangleMesh& surface,
   std::vector<std::uint8_t> kept(root.size(), 0);
   for (std::uint32_t v = 0; v < root.size(); ++v)
     if (flagged[v] == kWithin) kept[root[v]] = 1;
-  backend.run((hard.size() + kSurfaceGrain - 1) / kSurfaceGrain, [&](std::size_t task) {
-    const std::size_t end = std::min((task + 1) * kSurfaceGrain, hard.size());
-    for (std::size_t t = task * kSurfaceGrain; t < end; ++t)
-      if (hard[t]) hard[t] = kept[root[surface.triangles[3 * t]]];
+  for_each_index(backend, hard.size(), kSurfaceGrain, [&](std::size_t t) {
+    if (hard[t]) hard[t] = kept[root[surface.triangles[3 * t]]];
   });
 }
 
@@ -176,10 +163,8 @@ std::vector<std::uint8_t> find_hard_regions(Backend& backend, const IndicatorFie
   Buffer<float> distance(backend, sizes.sizes.size());
   float* to_hard = distance.view().data();
   std::fill_n(to_hard, distance.size(), kBeyond * rule.edge_max);
-  backend.run((samples.count() + kSampleGrain - 1) / kSampleGrain, [&](std::size_t task) {
-    const std::size_t end = std::min((task + 1) * kSampleGrain, samples.count());
-    for (std::size_t i = task * kSampleGrain; i < end; ++i)
-      if (is_hard(view, samples, rule, i)) to_hard[samples.cell[i]] = 0;
+  for_each_index(backend, samples.count(), kSampleGrain, [&](std::size_t i) {
+    if (is_hard(view, samples, rule, i)) to_hard[samples.cell[i]] = 0;
   });
   grow_limited(backend, field, 1.0f, distance);
   fill_islands(field, sizes, distance);

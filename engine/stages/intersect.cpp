@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "backend/ranges.h"
 #include "stages/predicates.h"
 #include "types/vec3d.h"
 
@@ -13,7 +14,7 @@ namespace vasamesh {
 
 namespace {
 
-constexpr std::size_t kPairs = 256;  // pairs a task takes
+constexpr std::size_t kGrain = 256;  // pairs a task takes
 
 // ---- Dismissal in double. Each function says true only where it is certain. -------------------
 
@@ -298,17 +299,12 @@ Intersections find_intersections(Backend& backend, const TriangleMesh& mesh,
                                  const TriangleTree& tree) {
   Intersections result;
   const std::vector<TrianglePair> pairs = candidate_pairs(backend, mesh, tree);
-  std::vector<std::vector<TrianglePair>> parts((pairs.size() + kPairs - 1) / kPairs);
-  backend.run(parts.size(), [&](std::size_t part) {
-    const std::size_t end = std::min((part + 1) * kPairs, pairs.size());
-    for (std::size_t i = part * kPairs; i < end; ++i)
-      if (triangles_intersect(mesh, pairs[i].first, pairs[i].second))
-        parts[part].push_back(pairs[i]);
-  });
-  for (const std::vector<TrianglePair>& part : parts) {
-    result.count += static_cast<std::int64_t>(part.size());
-    result.pairs.insert(result.pairs.end(), part.begin(), part.end());
-  }
+  const auto find = [&](std::size_t begin, std::size_t end, std::vector<TrianglePair>& found) {
+    for (std::size_t i = begin; i < end; ++i)
+      if (triangles_intersect(mesh, pairs[i].first, pairs[i].second)) found.push_back(pairs[i]);
+  };
+  result.pairs = collect<TrianglePair>(backend, pairs.size(), kGrain, find);
+  result.count = static_cast<std::int64_t>(result.pairs.size());
   keep_lowest(result.pairs);
   return result;
 }

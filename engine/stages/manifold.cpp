@@ -2,11 +2,13 @@
 
 #include <algorithm>
 
+#include "backend/ranges.h"
+
 namespace vasamesh {
 
 namespace {
 
-constexpr std::size_t kChunk = 16384;  // vertices a task takes
+constexpr std::size_t kGrain = 16384;  // vertices a task takes
 constexpr std::size_t kSmallFan = 32;  // corners up to which a fan is searched, not sorted
 
 /// The edge of a triangle across from a vertex, from `next` to `previous`.
@@ -127,16 +129,15 @@ ManifoldCounts count_manifold(Backend& backend, const TriangleMesh& mesh,
   const std::size_t vertices = mesh.vertex_count();
   ManifoldCounts total;
   total.edges_up.resize(vertices);
-  std::vector<ManifoldCounts> parts((vertices + kChunk - 1) / kChunk);
-  backend.run(parts.size(), [&](std::size_t part) {
+  const auto count = [&](std::size_t begin, std::size_t end) {
     FanCounter counter(mesh);
-    for (std::size_t v = part * kChunk; v < std::min((part + 1) * kChunk, vertices); ++v)
+    for (std::size_t v = begin; v < end; ++v)
       total.edges_up[v] =
           counter.count(static_cast<std::uint32_t>(v), corners.corner.data() + corners.first[v],
                         corners.corner.data() + corners.first[v + 1]);
-    parts[part] = counter.counts;
-  });
-  for (const ManifoldCounts& part : parts) add(total, part);
+    return counter.counts;
+  };
+  for (const ManifoldCounts& part : map_ranges(backend, vertices, kGrain, count)) add(total, part);
   return total;
 }
 

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <numeric>
 #include <utility>
 
 #include "backend/in_steps.h"
+#include "backend/ranges.h"
 #include "stages/lower_to.h"
 #include "types/mesh_vertex.h"
 
@@ -14,33 +16,32 @@ namespace vasamesh {
 namespace {
 
 constexpr std::uint32_t kNone = 0xffffffffu;
-constexpr std::size_t kTask = 16384;  // corners or triangles
+constexpr std::size_t kGrain = 16384;  // corners or triangles a task takes
 
-std::size_t tasks(std::size_t count) { return (count + kTask - 1) / kTask; }
-std::size_t task_end(std::size_t task, std::size_t count) {
-  return std::min((task + 1) * kTask, count);
-}
-
-/// Turns the tasks' counts into where each begins. \return the sum.
-std::size_t starts_of(std::vector<std::size_t>& counts) {
-  std::size_t sum = 0;
-  for (std::size_t& count : counts) count = std::exchange(sum, sum + count);
-  return sum;
+/// How many indices that are counted (is_counted(i)) come before each task's; at the end, how many
+/// there are.
+template <class IsCounted>
+std::vector<std::size_t> starts_of(Backend& backend, std::size_t count,
+                                   const IsCounted& is_counted) {
+  auto starts = map_ranges(backend, count, kGrain, [&](std::size_t begin, std::size_t end) {
+    std::size_t sum = 0;
+    for (std::size_t i = begin; i < end; ++i) sum += is_counted(i);
+    return sum;
+  });
+  starts.push_back(0);
+  std::exclusive_scan(starts.begin(), starts.end(), starts.begin(), std::size_t{0});
+  return starts;
 }
 
 /// The corners of the chosen triangles, in order.
 std::vector<std::uint32_t> corners_of(Backend& backend, const TriangleMesh& mesh,
                                       const std::vector<std::uint8_t>& chosen) {
   const std::size_t count = mesh.triangle_count();
-  std::vector<std::size_t> start(tasks(count), 0);
-  backend.run(start.size(), [&](std::size_t task) {
-    for (std::size_t t = task * kTask; t < task_end(task, count); ++t)
-      start[task] += chosen[t] != 0;
-  });
-  auto corners = filled_in_steps<std::uint32_t>(backend, 3 * starts_of(start));
-  backend.run(start.size(), [&](std::size_t task) {
-    std::uint32_t* to = corners.data() + 3 * start[task];
-    for (std::size_t t = task * kTask; t < task_end(task, count); ++t)
+  const auto starts = starts_of(backend, count, [&](std::size_t t) { return chosen[t] != 0; });
+  auto corners = filled_in_steps<std::uint32_t>(backend, 3 * starts.back());
+  for_each_range(backend, count, kGrain, [&](std::size_t begin, std::size_t end) {
+    std::uint32_t* to = corners.data() + 3 * starts[begin / kGrain];
+    for (std::size_t t = begin; t < end; ++t)
       if (chosen[t]) to = std::copy_n(&mesh.triangles[3 * t], 3, to);
   });
   return corners;
@@ -70,29 +71,22 @@ std::vector<std::uint32_t> rename_in_order(Backend& backend, std::size_t vertice
                                            std::vector<std::uint32_t>& corners) {
   const std::size_t count = corners.size();
   auto first = filled_in_steps(backend, vertices, kNone);  // corner
-  backend.run(tasks(count), [&](std::size_t task) {
-    for (std::size_t c = task * kTask; c < task_end(task, count); ++c)
-      lower_to(first[corners[c]], static_cast<std::uint32_t>(c));
+  for_each_index(backend, count, kGrain, [&](std::size_t c) {
+    lower_to(first[corners[c]], static_cast<std::uint32_t>(c));
   });
-  std::vector<std::size_t> start(tasks(count), 0);
-  backend.run(start.size(), [&](std::size_t task) {
-    for (std::size_t c = task * kTask; c < task_end(task, count); ++c)
-      start[task] += first[corners[c]] == c;
-  });
-  auto old_names = filled_in_steps<std::uint32_t>(backend, starts_of(start));
+  const auto starts =
+      starts_of(backend, count, [&](std::size_t c) { return first[corners[c]] == c; });
+  auto old_names = filled_in_steps<std::uint32_t>(backend, starts.back());
   auto name = filled_in_steps<std::uint32_t>(backend, vertices);
-  backend.run(start.size(), [&](std::size_t task) {
-    auto next = static_cast<std::uint32_t>(start[task]);
-    for (std::size_t c = task * kTask; c < task_end(task, count); ++c) {
+  for_each_range(backend, count, kGrain, [&](std::size_t begin, std::size_t end) {
+    auto next = static_cast<std::uint32_t>(starts[begin / kGrain]);
+    for (std::size_t c = begin; c < end; ++c) {
       if (first[corners[c]] != c) continue;
       old_names[next] = corners[c];
       name[corners[c]] = next++;
     }
   });
-  backend.run(start.size(), [&](std::size_t task) {
-    for (std::size_t c = task * kTask; c < task_end(task, count); ++c)
-      corners[c] = name[corners[c]];
-  });
+  for_each_index(backend, count, kGrain, [&](std::size_t c) { corners[c] = name[corners[c]]; });
   return old_names;
 }
 
@@ -103,9 +97,8 @@ TriangleMesh part_of(Backend& backend, const TriangleMesh& mesh,
   const std::vector<std::uint32_t> vertices =
       rename_in_order(backend, mesh.vertex_count(), part.triangles);
   resize_in_steps(backend, 3 * vertices.size(), part.vertices);
-  backend.run(tasks(vertices.size()), [&](std::size_t task) {
-    for (std::size_t v = task * kTask; v < task_end(task, vertices.size()); ++v)
-      std::copy_n(&mesh.vertices[3 * std::size_t{vertices[v]}], 3, &part.vertices[3 * v]);
+  for_each_index(backend, vertices.size(), kGrain, [&](std::size_t v) {
+    std::copy_n(&mesh.vertices[3 * std::size_t{vertices[v]}], 3, &part.vertices[3 * v]);
   });
   return part;
 }

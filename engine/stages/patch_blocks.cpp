@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "backend/in_steps.h"
+#include "backend/ranges.h"
 #include "stages/mesh_parts.h"
 #include "types/mesh_vertex.h"
 #include "vasamesh/errors.h"
@@ -14,10 +15,8 @@ namespace vasamesh {
 
 namespace {
 
-constexpr std::size_t kChunk = 16384;  // triangles or vertices a task takes
+constexpr std::size_t kGrain = 16384;  // triangles or vertices a task takes
 constexpr std::uint32_t kNone = PatchMesh::kNone;
-
-std::size_t chunks(std::size_t count) { return (count + kChunk - 1) / kChunk; }
 
 /// The triangles of block b are order[first[b]] .. order[first[b + 1] - 1].
 struct Division {
@@ -66,9 +65,8 @@ Division divide(Backend& backend, const BlockGrid& grid, const WorkingSurface& s
   const std::size_t triangles = surface.triangles.size() / 3;
   const Cells cells(backend, surface.points, grid);
   auto cell = filled_in_steps<std::uint32_t>(backend, triangles);
-  backend.run(chunks(triangles), [&](std::size_t chunk) {
-    for (std::size_t t = chunk * kChunk; t < std::min((chunk + 1) * kChunk, triangles); ++t)
-      cell[t] = cells.at(surface.points[surface.triangles[3 * t]].position);
+  for_each_index(backend, triangles, kGrain, [&](std::size_t t) {
+    cell[t] = cells.at(surface.points[surface.triangles[3 * t]].position);
   });
   std::vector<std::uint32_t> block(cells.count(), 0);
   in_steps(backend, triangles, [&](std::size_t t) { ++block[cell[t]]; });
@@ -264,9 +262,8 @@ std::vector<std::uint8_t> put_to_rest(Backend& backend, const Places& places,
                                       WorkingSurface& surface) {
   const std::size_t count = surface.points.size();
   std::vector<std::uint8_t> near(count), rests(count, 1);
-  backend.run(chunks(count), [&](std::size_t chunk) {
-    for (std::size_t v = chunk * kChunk; v < std::min((chunk + 1) * kChunk, count); ++v)
-      near[v] = places.hold(surface.points[v].position, Places::kMargin);
+  for_each_index(backend, count, kGrain, [&](std::size_t v) {
+    near[v] = places.hold(surface.points[v].position, Places::kMargin);
   });
   std::vector<std::uint32_t> active;
   in_steps(backend, surface.triangles.size() / 3, [&](std::size_t t) {
@@ -288,11 +285,8 @@ WorkingSurface make_working_surface(Backend& backend, const RemeshGoal& goal,
   append_in_steps<std::uint32_t>(backend, mesh.triangles, surface.triangles);
   resize_in_steps(backend, mesh.vertex_count(), surface.points);
   const auto for_each_point = [&](const auto& visit) {
-    const std::size_t count = surface.points.size();
-    backend.run(chunks(count), [&](std::size_t chunk) {
-      for (std::size_t v = chunk * kChunk; v < std::min((chunk + 1) * kChunk, count); ++v)
-        visit(v, surface.points[v]);
-    });
+    for_each_index(backend, surface.points.size(), kGrain,
+                   [&](std::size_t v) { visit(v, surface.points[v]); });
   };
   for_each_point([&](std::size_t v, SurfacePoint& p) { p.position = vertex_at(mesh, v); });
   std::vector<std::uint8_t> rests(mesh.vertex_count(), 0);
@@ -315,12 +309,10 @@ TriangleMesh make_mesh(Backend& backend, const WorkingSurface& surface) {
   const std::vector<std::uint32_t> vertices =
       rename_in_order(backend, surface.points.size(), mesh.triangles);
   resize_in_steps(backend, 3 * vertices.size(), mesh.vertices);
-  backend.run(chunks(vertices.size()), [&](std::size_t chunk) {
-    for (std::size_t v = chunk * kChunk; v < std::min((chunk + 1) * kChunk, vertices.size()); ++v) {
-      const Vec3& p = surface.points[vertices[v]].position;
-      const std::array<float, 3> position = {p.x, p.y, p.z};
-      std::copy_n(position.begin(), 3, &mesh.vertices[3 * v]);
-    }
+  for_each_index(backend, vertices.size(), kGrain, [&](std::size_t v) {
+    const Vec3& p = surface.points[vertices[v]].position;
+    const std::array<float, 3> position = {p.x, p.y, p.z};
+    std::copy_n(position.begin(), 3, &mesh.vertices[3 * v]);
   });
   return mesh;
 }

@@ -8,6 +8,7 @@
 #include <tuple>
 #include <vector>
 
+#include "backend/ranges.h"
 #include "stages/rays.h"
 #include "types/volume.h"
 
@@ -16,8 +17,8 @@ namespace vasamesh {
 namespace {
 
 constexpr std::int64_t kVoters = 9;  // voxels of a piece that choose its shell
-constexpr std::size_t kPiecesATask = 64;
-constexpr int kNear = 2;  // voxels along each axis between a shell and its piece
+constexpr std::size_t kGrain = 64;   // pieces a task takes
+constexpr int kNear = 2;             // voxels along each axis between a shell and its piece
 
 /// A padded voxel.
 struct Voxel {
@@ -110,18 +111,15 @@ std::vector<std::uint32_t> chosen_shells(Backend& backend, const TriangleMesh& m
   const std::size_t pieces = match.solid->findings.pieces.size();
   const auto voters = choose_voters(match.solid->lookup, pieces);
   std::vector<std::uint32_t> chosen(pieces, Shells::kNone);
-  backend.run((pieces + kPiecesATask - 1) / kPiecesATask, [&](std::size_t task) {
-    const std::size_t end = std::min((task + 1) * kPiecesATask, pieces);
-    for (std::size_t p = task * kPiecesATask; p < end; ++p) {
-      bool agreed = true;
-      for (const Voxel& voxel : voters[p]) {
-        const std::uint32_t shell = shell_round(mesh, rays, shells, centre_of(match, voxel));
-        if (shell == Shells::kNone) continue;
-        agreed = agreed && (chosen[p] == Shells::kNone || chosen[p] == shell);
-        chosen[p] = shell;
-      }
-      if (!agreed) chosen[p] = Shells::kNone;
+  for_each_index(backend, pieces, kGrain, [&](std::size_t p) {
+    bool agreed = true;
+    for (const Voxel& voxel : voters[p]) {
+      const std::uint32_t shell = shell_round(mesh, rays, shells, centre_of(match, voxel));
+      if (shell == Shells::kNone) continue;
+      agreed = agreed && (chosen[p] == Shells::kNone || chosen[p] == shell);
+      chosen[p] = shell;
     }
+    if (!agreed) chosen[p] = Shells::kNone;
   });
   return chosen;
 }

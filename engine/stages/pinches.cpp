@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <iterator>
 #include <span>
 #include <utility>
 #include <vector>
 
 #include "backend/in_steps.h"
+#include "backend/ranges.h"
 #include "stages/adjacency.h"
 #include "stages/disjoint_sets.h"
 
@@ -73,19 +73,14 @@ bool drop_repeated_edges(const Backend& backend, TriangleMesh& mesh) {
 }
 
 void split_pinches(Backend& backend, TriangleMesh& mesh) {
-  constexpr std::size_t kTask = 4096;  // vertices
+  constexpr std::size_t kGrain = 4096;  // vertices a task takes
   const VertexCorners at = vertex_corners(backend, mesh);
-  std::vector<std::vector<Fan>> found((mesh.vertex_count() + kTask - 1) / kTask);
-  backend.run(found.size(), [&](std::size_t task) {
-    const std::size_t end = std::min((task + 1) * kTask, mesh.vertex_count());
-    for (std::size_t v = task * kTask; v < end; ++v)
-      find_further_fans(mesh,
-                        std::span(at.corner).subspan(at.first[v], at.first[v + 1] - at.first[v]),
-                        found[task]);
-  });
-  std::vector<Fan> fans;
-  for (std::vector<Fan>& some : found)
-    std::move(some.begin(), some.end(), std::back_inserter(fans));
+  const auto find = [&](std::size_t begin, std::size_t end, std::vector<Fan>& found) {
+    for (std::size_t v = begin; v < end; ++v)
+      find_further_fans(
+          mesh, std::span(at.corner).subspan(at.first[v], at.first[v + 1] - at.first[v]), found);
+  };
+  std::vector<Fan> fans = collect<Fan>(backend, mesh.vertex_count(), kGrain, find);
   std::sort(fans.begin(), fans.end());
   for (const Fan& fan : fans) {
     const auto copy = static_cast<std::uint32_t>(mesh.vertex_count());

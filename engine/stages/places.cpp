@@ -4,6 +4,7 @@
 #include <cmath>
 #include <unordered_map>
 
+#include "backend/ranges.h"
 #include "types/mesh_vertex.h"
 
 namespace vasamesh {
@@ -80,12 +81,10 @@ Places wider(std::span<const CarefulPlace> places, float by) {
 
 std::vector<std::uint8_t> vertices_in(Backend& backend, const Places& places,
                                       const TriangleMesh& mesh) {
-  constexpr std::size_t kBlock = 4096;
+  constexpr std::size_t kGrain = 4096;
   std::vector<std::uint8_t> within(mesh.vertex_count());
-  backend.run((within.size() + kBlock - 1) / kBlock, [&](std::size_t block) {
-    for (std::size_t v = block * kBlock; v < std::min((block + 1) * kBlock, within.size()); ++v)
-      within[v] = places.hold(vertex_at(mesh, v));
-  });
+  for_each_index(backend, within.size(), kGrain,
+                 [&](std::size_t v) { within[v] = places.hold(vertex_at(mesh, v)); });
   return within;
 }
 

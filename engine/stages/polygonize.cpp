@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <numeric>
 #include <span>
 #include <string>
 #include <utility>
 
 #include "backend/in_steps.h"
+#include "backend/ranges.h"
 #include "stages/defects.h"
 #include "stages/expand.h"
 #include "stages/finish.h"
@@ -71,17 +71,17 @@ std::vector<CarefulPlace> where_base_stays(std::span<const CarefulPlace> places)
 }
 
 double area_of(Backend& backend, const TriangleMesh& mesh) {
-  constexpr std::size_t kTask = 8192;  // triangles
-  const std::size_t count = mesh.triangle_count();
-  std::vector<double> areas((count + kTask - 1) / kTask, 0.0);
-  backend.run(areas.size(), [&](std::size_t task) {
-    for (std::size_t t = task * kTask; t < std::min((task + 1) * kTask, count); ++t) {
+  constexpr std::size_t kGrain = 8192;  // triangles a task takes
+  const auto sum = [&](std::size_t begin, std::size_t end) {
+    double area = 0;
+    for (std::size_t t = begin; t < end; ++t) {
       const Vec3 a = vertex_at(mesh, mesh.triangles[3 * t]);
-      areas[task] += 0.5 * double{norm(cross(vertex_at(mesh, mesh.triangles[3 * t + 1]) - a,
-                                             vertex_at(mesh, mesh.triangles[3 * t + 2]) - a))};
+      area += 0.5 * double{norm(cross(vertex_at(mesh, mesh.triangles[3 * t + 1]) - a,
+                                      vertex_at(mesh, mesh.triangles[3 * t + 2]) - a))};
     }
-  });
-  return std::accumulate(areas.begin(), areas.end(), 0.0);
+    return area;
+  };
+  return reduce_ranges(backend, mesh.triangle_count(), kGrain, 0.0, sum);
 }
 
 std::string refusal_of_count(double wanted, double possible, bool met) {

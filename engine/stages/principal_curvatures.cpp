@@ -1,9 +1,9 @@
 #include "stages/principal_curvatures.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 
+#include "backend/ranges.h"
 #include "stages/adjacency.h"
 #include "types/mesh_vertex.h"
 
@@ -11,14 +11,7 @@ namespace vasamesh {
 
 namespace {
 
-constexpr std::size_t kChunk = 16384;  // triangles or vertices a task takes
-
-template <class Work>
-void for_each(Backend& backend, std::size_t count, Work&& work) {
-  backend.run((count + kChunk - 1) / kChunk, [&](std::size_t chunk) {
-    for (std::size_t i = chunk * kChunk; i < std::min((chunk + 1) * kChunk, count); ++i) work(i);
-  });
-}
+constexpr std::size_t kGrain = 16384;  // triangles or vertices a task takes
 
 struct Triangle {
   std::array<std::uint32_t, 3> v;
@@ -134,7 +127,7 @@ Tensor in_frame(const FaceTensor& face, const Frame& frame) {
 std::vector<Vec3> vertex_normals(Backend& backend, const TriangleMesh& mesh,
                                  const VertexCorners& corners) {
   std::vector<Vec3> normals(mesh.vertex_count());
-  for_each(backend, normals.size(), [&](std::size_t v) {
+  for_each_index(backend, normals.size(), kGrain, [&](std::size_t v) {
     Vec3 sum;
     for (std::uint32_t i = corners.first[v]; i < corners.first[v + 1]; ++i) {
       const std::uint32_t c = corners.corner[i];
@@ -154,11 +147,12 @@ PrincipalCurvatures principal_curvatures(Backend& backend, const TriangleMesh& m
   const VertexCorners corners = vertex_corners(backend, mesh);
   const std::vector<Vec3> normals = vertex_normals(backend, mesh, corners);
   std::vector<FaceTensor> faces(mesh.triangle_count());
-  for_each(backend, faces.size(), [&](std::size_t t) { faces[t] = face_tensor(mesh, t, normals); });
+  for_each_index(backend, faces.size(), kGrain,
+                 [&](std::size_t t) { faces[t] = face_tensor(mesh, t, normals); });
   const std::size_t count = mesh.vertex_count();
   PrincipalCurvatures found{std::vector<float>(count, 0), std::vector<float>(count, 0),
                             std::vector<float>(count, 0)};
-  for_each(backend, count, [&](std::size_t v) {
+  for_each_index(backend, count, kGrain, [&](std::size_t v) {
     const Frame frame = frame_of(normals[v]);
     Tensor sum;
     double area = 0;

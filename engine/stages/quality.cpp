@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "backend/in_steps.h"
+#include "backend/ranges.h"
 #include "stages/adjacency.h"
 #include "types/mesh_vertex.h"
 #include "types/vec3d.h"
@@ -16,11 +17,9 @@ namespace vasamesh {
 
 namespace {
 
-constexpr std::size_t kChunk = 8192;  // triangles or vertices a task takes
+constexpr std::size_t kGrain = 8192;  // triangles or vertices a task takes
 constexpr double kCloseRatio = 1.5;   // of two edges' lengths
 constexpr float kSharp = 60;          // degrees: dihedral angles below it
-
-std::size_t chunks(std::size_t count) { return (count + kChunk - 1) / kChunk; }
 
 Vec3d vertex(const TriangleMesh& mesh, std::uint32_t v) { return widened(vertex_at(mesh, v)); }
 
@@ -72,6 +71,16 @@ Figures figures_of(const TriangleMesh& mesh, std::size_t triangle, const Vec3d& 
           close_pairs(edge)};
 }
 
+/// Of some triangles.
+struct ShapeSums {
+  double area = 0, volume = 0;
+  std::int64_t close_pairs = 0;
+
+  ShapeSums operator+(const ShapeSums& other) const {
+    return {area + other.area, volume + other.volume, close_pairs + other.close_pairs};
+  }
+};
+
 double fraction(std::size_t count, std::size_t of) {
   return of == 0 ? 0 : static_cast<double>(count) / static_cast<double>(of);
 }
@@ -85,20 +94,20 @@ struct EdgeFigures {
 EdgeFigures edge_figures(Backend& backend, const TriangleMesh& mesh,
                          const std::vector<float>& mean_edge) {
   const VertexCorners corners = vertex_corners(backend, mesh);
-  std::vector<EdgeFigures> parts(chunks(mesh.vertex_count()));
-  backend.run(parts.size(), [&](std::size_t part) {
-    const std::size_t end = std::min((part + 1) * kChunk, mesh.vertex_count());
-    for (std::size_t v = part * kChunk; v < end; ++v)
+  const auto measure = [&](std::size_t begin, std::size_t end) {
+    EdgeFigures figures;
+    for (std::size_t v = begin; v < end; ++v)
       for_each_shared_edge_up(
           mesh, corners, static_cast<std::uint32_t>(v), [&](std::uint32_t c, std::uint32_t d) {
             const float a = mean_edge[c / 3], b = mean_edge[d / 3];
-            parts[part].size_ratio.push_back(a == b ? 1 : std::max(a, b) / std::min(a, b));
-            parts[part].dihedral.push_back(static_cast<float>(
+            figures.size_ratio.push_back(a == b ? 1 : std::max(a, b) / std::min(a, b));
+            figures.dihedral.push_back(static_cast<float>(
                 180 - angle_between(area_vector(mesh, c / 3), area_vector(mesh, d / 3))));
           });
-  });
+    return figures;
+  };
   EdgeFigures all;
-  for (const EdgeFigures& part : parts) {
+  for (const EdgeFigures& part : map_ranges(backend, mesh.vertex_count(), kGrain, measure)) {
     append_in_steps<float>(backend, part.size_ratio, all.size_ratio);
     append_in_steps<float>(backend, part.dihedral, all.dihedral);
   }
@@ -200,24 +209,23 @@ TriangleShapes triangle_shapes(Backend& backend, const TriangleMesh& mesh) {
   TriangleShapes shapes{filled_in_steps<float>(backend, count),
                         filled_in_steps<float>(backend, count),
                         filled_in_steps<float>(backend, count)};
-  std::vector<double> area(chunks(count), 0), volume(chunks(count), 0);
-  std::vector<std::int64_t> pairs(chunks(count), 0);
   if (count == 0) return shapes;
   const Vec3d origin = vertex(mesh, mesh.triangles[0]);
-  backend.run(chunks(count), [&](std::size_t chunk) {
-    for (std::size_t t = chunk * kChunk; t < std::min((chunk + 1) * kChunk, count); ++t) {
+  const auto measure = [&](std::size_t begin, std::size_t end) {
+    ShapeSums sums;
+    for (std::size_t t = begin; t < end; ++t) {
       const Figures f = figures_of(mesh, t, origin);
       shapes.edge_ratio[t] = f.longest > 0 ? static_cast<float>(f.shortest / f.longest) : 0.0f;
       shapes.least_angle[t] = static_cast<float>(f.least_angle);
       shapes.mean_edge[t] = static_cast<float>(f.mean_edge);
-      area[chunk] += f.area;
-      volume[chunk] += f.volume;
-      pairs[chunk] += f.close_pairs;
+      sums = sums + ShapeSums{f.area, f.volume, f.close_pairs};
     }
-  });
-  for (double part : area) shapes.area += part;
-  for (double part : volume) shapes.volume += part;
-  for (std::int64_t part : pairs) shapes.close_pairs += part;
+    return sums;
+  };
+  const ShapeSums sums = reduce_ranges(backend, count, kGrain, ShapeSums{}, measure);
+  shapes.area = sums.area;
+  shapes.volume = sums.volume;
+  shapes.close_pairs = sums.close_pairs;
   return shapes;
 }
 

@@ -1,9 +1,9 @@
 #include "stages/runs.h"
 
-#include <algorithm>
 #include <bit>
 #include <utility>
 
+#include "backend/ranges.h"
 #include "stages/disjoint_sets.h"
 #include "vasamesh/errors.h"
 
@@ -12,8 +12,6 @@ namespace vasamesh {
 namespace {
 
 constexpr int kSlab = 16;  // layers of z a task takes
-
-int slab_count(int layers) { return (layers + kSlab - 1) / kSlab; }
 
 /// Appends the runs of set bits of words ^ flip among the row's first `length` bits.
 void append_row(const std::uint64_t* words, int length, std::uint64_t flip,
@@ -89,13 +87,11 @@ void unite_layer(const RunTable& table, int z, bool below, int connectivity, Dis
 }  // namespace
 
 RunTable collect_runs(Backend& backend, const BitView& bits, const RowWindow& window, bool set) {
-  const int slabs = slab_count(bits.size[2]);
-  std::vector<Slab> parts(slabs);
-  backend.run(slabs, [&](std::size_t s) {
-    const int z = static_cast<int>(s) * kSlab;
-    parts[s] = collect_slab(bits, window, z, std::min(z + kSlab, bits.size[2]),
-                            set ? 0 : ~std::uint64_t{0});
-  });
+  const std::uint64_t flip = set ? 0 : ~std::uint64_t{0};
+  std::vector<Slab> parts =
+      map_ranges(backend, bits.size[2], kSlab, [&](std::size_t begin, std::size_t end) {
+        return collect_slab(bits, window, static_cast<int>(begin), static_cast<int>(end), flip);
+      });
   RunTable table{bits.size, {0}, {}};
   std::size_t total = 0;
   for (const Slab& part : parts) total += part.runs.size();
@@ -116,11 +112,10 @@ RunTable collect_runs(Backend& backend, const BitView& bits, const RowWindow& wi
 std::vector<std::uint32_t> connect_runs(Backend& backend, const RunTable& table, int connectivity) {
   DisjointSets sets(table.runs.size());
   const int layers = table.size[2];
-  backend.run(slab_count(layers), [&](std::size_t s) {
-    const int first = static_cast<int>(s) * kSlab;
-    for (int z = first; z < std::min(first + kSlab, layers); ++z) {
-      unite_layer(table, z, false, connectivity, sets);
-      if (z > first) unite_layer(table, z, true, connectivity, sets);
+  for_each_range(backend, layers, kSlab, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t z = begin; z < end; ++z) {
+      unite_layer(table, static_cast<int>(z), false, connectivity, sets);
+      if (z > begin) unite_layer(table, static_cast<int>(z), true, connectivity, sets);
     }
   });
   for (int z = kSlab; z < layers; z += kSlab) unite_layer(table, z, true, connectivity, sets);

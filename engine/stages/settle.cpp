@@ -9,6 +9,7 @@
 #include <span>
 #include <utility>
 
+#include "backend/ranges.h"
 #include "stages/adjacency.h"
 #include "stages/approach.h"
 #include "stages/far_points.h"
@@ -101,29 +102,24 @@ std::vector<Vec3> uneven_triangles(const TriangleMesh& mesh, const Places& withi
 /// The middles of the edges in the places, or of all if there are none, with a dihedral angle below
 /// 60 degrees.
 std::vector<Vec3> sharp_edges(Backend& backend, const TriangleMesh& mesh, const Places& within) {
-  constexpr std::size_t kTask = 4096;
-  const std::size_t count = mesh.vertex_count();
+  constexpr std::size_t kGrain = 4096;
   const VertexCorners corners = vertex_corners(backend, mesh);
   const auto normal_of = [&](std::uint32_t c) {
     const std::uint32_t* v = &mesh.triangles[c / 3 * 3];
     const Vec3 a = vertex_at(mesh, v[0]);
     return normalised(cross(vertex_at(mesh, v[1]) - a, vertex_at(mesh, v[2]) - a));
   };
-  std::vector<std::vector<Vec3>> parts((count + kTask - 1) / kTask);
-  backend.run(parts.size(), [&](std::size_t task) {
-    for (std::size_t v = task * kTask; v < std::min((task + 1) * kTask, count); ++v)
+  const auto find = [&](std::size_t begin, std::size_t end, std::vector<Vec3>& middles) {
+    for (std::size_t v = begin; v < end; ++v)
       for_each_shared_edge_up(
           mesh, corners, static_cast<std::uint32_t>(v), [&](std::uint32_t c, std::uint32_t d) {
             if (!(dot(normal_of(c), normal_of(d)) < kSharpBend)) return;
             const Vec3 middle = 0.5f * (vertex_at(mesh, v) +
                                         vertex_at(mesh, mesh.triangles[c / 3 * 3 + (c + 1) % 3]));
-            if (within.empty() || within.hold(middle)) parts[task].push_back(middle);
+            if (within.empty() || within.hold(middle)) middles.push_back(middle);
           });
-  });
-  std::vector<Vec3> middles;
-  for (const std::vector<Vec3>& part : parts)
-    middles.insert(middles.end(), part.begin(), part.end());
-  return middles;
+  };
+  return collect<Vec3>(backend, mesh.vertex_count(), kGrain, find);
 }
 
 /// Places with the same factors in their middles, and longer edges from there out.
@@ -153,13 +149,12 @@ struct Cutting {
 /// \pre the places are apart.
 std::vector<std::uint8_t> cuttings_of(Backend& backend, std::span<const CarefulPlace> places,
                                       const TriangleMesh& mesh) {
-  constexpr std::size_t kTask = 4096;
+  constexpr std::size_t kGrain = 4096;
   std::vector<std::uint8_t> vertex(mesh.vertex_count(), 0);
-  backend.run((vertex.size() + kTask - 1) / kTask, [&](std::size_t task) {
-    for (std::size_t v = task * kTask; v < std::min((task + 1) * kTask, vertex.size()); ++v)
-      for (std::size_t i = 0; i < places.size(); ++i)
-        if (places[i].holds(vertex_at(mesh, v), Cutting::kReached + kCollar))
-          vertex[v] = static_cast<std::uint8_t>(i + 1);
+  for_each_index(backend, vertex.size(), kGrain, [&](std::size_t v) {
+    for (std::size_t i = 0; i < places.size(); ++i)
+      if (places[i].holds(vertex_at(mesh, v), Cutting::kReached + kCollar))
+        vertex[v] = static_cast<std::uint8_t>(i + 1);
   });
   std::vector<std::uint8_t> triangle(mesh.triangle_count());
   for (std::size_t t = 0; t < triangle.size(); ++t) {

@@ -1,10 +1,10 @@
 #include "stages/shells.h"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "backend/in_steps.h"
+#include "backend/ranges.h"
 #include "stages/adjacency.h"
 #include "stages/rays.h"
 
@@ -12,7 +12,7 @@ namespace vasamesh {
 
 namespace {
 
-constexpr std::size_t kShellsATask = 64;
+constexpr std::size_t kGrain = 64;  // shells a task takes
 
 const float* vertex(const TriangleMesh& mesh, std::size_t v) {
   return mesh.vertices.data() + 3 * v;
@@ -40,16 +40,6 @@ std::vector<std::uint32_t> farthest_vertices(const Backend& backend, const Trian
       farthest[s] = static_cast<std::uint32_t>(v);
   });
   return farthest;
-}
-
-/// Calls visit(shell) for all shells on the backend's workers.
-template <class Visit>
-void for_each_shell(Backend& backend, const Shells& shells, const Visit& visit) {
-  const std::size_t count = shells.shells.size();
-  backend.run((count + kShellsATask - 1) / kShellsATask, [&](std::size_t task) {
-    for (std::size_t s = task * kShellsATask; s < std::min((task + 1) * kShellsATask, count); ++s)
-      visit(static_cast<std::uint32_t>(s));
-  });
 }
 
 }  // namespace
@@ -86,7 +76,7 @@ void find_nesting(Backend& backend, const TriangleMesh& mesh, const TriangleTree
   if (shells.shells.size() < 2 || tree.empty()) return;
   const std::vector<std::uint32_t> farthest = farthest_vertices(backend, mesh, shells);
   const RayCaster rays(mesh, tree);
-  for_each_shell(backend, shells, [&](std::uint32_t s) {
+  for_each_index(backend, shells.shells.size(), kGrain, [&](std::size_t s) {
     bool odd = false;
     double nearest = std::numeric_limits<double>::infinity();
     rays.cast(vertex(mesh, farthest[s]), [&](const RayCrossing& crossing) {

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "backend/in_steps.h"
+#include "backend/ranges.h"
 #include "stages/adjacency.h"
 #include "stages/lower_to.h"
 #include "types/mesh_vertex.h"
@@ -16,7 +17,7 @@ namespace vasamesh {
 namespace {
 
 constexpr std::size_t kCells = 64;  // size cells a brick
-constexpr std::size_t kTriangleGrain = 8192, kVertexGrain = 8192;
+constexpr std::size_t kTriangleGrain = 8192, kVertexGrain = 8192, kBrickGrain = 32;
 constexpr float kSmallShell = 1;  // voxel lengths: half the longest side of the box round a shell
 constexpr float kMostOfRadius = 1.25f;    // of an edge
 constexpr float kRings[] = {1, 1, 2, 3};  // steps to the distances at which normals are compared
@@ -26,12 +27,9 @@ constexpr std::uint32_t kNoVertex = 0xffffffffu;
 SurfaceSamples first_vertices(Backend& backend, const FieldView& field,
                               const TriangleMesh& surface) {
   const std::size_t cells = field.coefficients.size / kBrickCells * kCells;
-  const std::size_t count = surface.vertex_count();
   auto first = filled_in_steps(backend, cells + 1, kNoVertex);
-  backend.run((count + kVertexGrain - 1) / kVertexGrain, [&](std::size_t task) {
-    const std::size_t end = std::min((task + 1) * kVertexGrain, count);
-    for (std::size_t v = task * kVertexGrain; v < end; ++v)
-      lower_to(first[size_cell(field, vertex_at(surface, v))], static_cast<std::uint32_t>(v));
+  for_each_index(backend, surface.vertex_count(), kVertexGrain, [&](std::size_t v) {
+    lower_to(first[size_cell(field, vertex_at(surface, v))], static_cast<std::uint32_t>(v));
   });
   SurfaceSamples samples;
   in_steps(backend, cells, [&](std::size_t cell) {
@@ -200,7 +198,6 @@ void average(const SizeHalo& halo, float none, float* out) {
 /// Each radius of curvature becomes that of the mean curvature round it.
 void smooth_radii(Backend& backend, const IndicatorField& field, SurfaceSamples& samples) {
   constexpr float kNoValue = -1;
-  constexpr std::size_t kGrain = 32;
   const std::int32_t* near = field.neighbours.view().data();
   const std::size_t bricks = field.brick_count();
   auto curvature = filled_in_steps(backend, bricks * kCells, kNoValue);
@@ -209,10 +206,8 @@ void smooth_radii(Backend& backend, const IndicatorField& field, SurfaceSamples&
   });
   std::vector<float> smooth;
   append_in_steps<float>(backend, curvature, smooth);
-  backend.run((bricks + kGrain - 1) / kGrain, [&](std::size_t task) {
-    const std::size_t end = std::min((task + 1) * kGrain, bricks);
-    for (std::size_t b = task * kGrain; b < end; ++b)
-      average(SizeHalo(near + 27 * b, curvature.data(), kNoValue), kNoValue, &smooth[kCells * b]);
+  for_each_index(backend, bricks, kBrickGrain, [&](std::size_t b) {
+    average(SizeHalo(near + 27 * b, curvature.data(), kNoValue), kNoValue, &smooth[kCells * b]);
   });
   in_steps(backend, samples.count(), [&](std::size_t i) {
     if (samples.radius[i] > 0) samples.radius[i] = 1 / smooth[samples.cell[i]];
@@ -239,30 +234,25 @@ struct ShellRun {
 /// Of each shell (joined by vertices) the box, as one run.
 std::vector<ShellRun> whole_shells(Backend& backend, const TriangleMesh& surface,
                                    const std::vector<std::uint32_t>& shell) {
-  std::vector<std::vector<ShellRun>> runs((shell.size() + kVertexGrain - 1) / kVertexGrain);
-  backend.run(runs.size(), [&](std::size_t task) {
-    std::vector<ShellRun>& own = runs[task];
-    const std::size_t end = std::min((task + 1) * kVertexGrain, shell.size());
-    for (std::size_t v = task * kVertexGrain; v < end; ++v) {
+  const auto find = [&](std::size_t begin, std::size_t end, std::vector<ShellRun>& runs) {
+    for (std::size_t v = begin; v < end; ++v) {
       const Vec3 at = vertex_at(surface, v);
-      if (own.empty() || own.back().shell != shell[v])
-        own.push_back({shell[v], at, at});
+      if (runs.empty() || runs.back().shell != shell[v])
+        runs.push_back({shell[v], at, at});
       else
-        own.back().take_in({shell[v], at, at});
+        runs.back().take_in({shell[v], at, at});
     }
-  });
+  };
+  const auto runs = collect<ShellRun>(backend, shell.size(), kVertexGrain, find);
   std::unordered_map<std::uint32_t, std::size_t> index;  // of a shell in:
   std::vector<ShellRun> shells;
-  for (const std::vector<ShellRun>& some : runs) {
-    backend.checkpoint();
-    for (const ShellRun& run : some) {
-      const auto [found, fresh] = index.try_emplace(run.shell, shells.size());
-      if (fresh)
-        shells.push_back(run);
-      else
-        shells[found->second].take_in(run);
-    }
-  }
+  in_steps(backend, runs.size(), [&](std::size_t i) {
+    const auto [found, fresh] = index.try_emplace(runs[i].shell, shells.size());
+    if (fresh)
+      shells.push_back(runs[i]);
+    else
+      shells[found->second].take_in(runs[i]);
+  });
   return shells;
 }
 
@@ -294,23 +284,18 @@ void bound_by_shells(Backend& backend, const FieldView& field, const TriangleMes
 
 /// Sum over the triangles of their area over that of an equilateral one of the size there.
 double predict_triangles(Backend& backend, const SizeView& sizes, const TriangleMesh& surface) {
-  const std::size_t count = surface.triangle_count();
-  std::vector<double> sums((count + kTriangleGrain - 1) / kTriangleGrain, 0.0);
-  backend.run(sums.size(), [&](std::size_t task) {
-    const std::size_t end = std::min((task + 1) * kTriangleGrain, count);
+  const auto predict = [&](std::size_t begin, std::size_t end) {
     double sum = 0;
-    for (std::size_t t = task * kTriangleGrain; t < end; ++t) {
+    for (std::size_t t = begin; t < end; ++t) {
       const Vec3 a = vertex_at(surface, surface.triangles[3 * t]);
       const Vec3 b = vertex_at(surface, surface.triangles[3 * t + 1]);
       const Vec3 c = vertex_at(surface, surface.triangles[3 * t + 2]);
       const float h = size_at(sizes, a);
       sum += 0.5f * norm(cross(b - a, c - a)) / (0.4330127f * (h * h));
     }
-    sums[task] = sum;
-  });
-  double total = 0;
-  for (const double sum : sums) total += sum;
-  return total;
+    return sum;
+  };
+  return reduce_ranges(backend, surface.triangle_count(), kTriangleGrain, 0.0, predict);
 }
 
 /// A walk over the surface: where it has come to, and the tangent along which it goes on.
@@ -379,24 +364,20 @@ void grow_limited(Backend& backend, const IndicatorField& field, float growth,
   const StepCosts steps(voxel, growth);
   const std::int32_t* near = field.neighbours.view().data();
   const std::size_t bricks = field.brick_count();
-  constexpr std::size_t kGrain = 32;
   Buffer<float> next(backend, values.size());
   std::vector<std::uint8_t> changed(bricks, 1), changes(bricks);
   while (std::find(changed.begin(), changed.end(), 1) != changed.end()) {
     const float* from = backend.on_host(std::as_const(values).view()).data();
     float* to = backend.on_host(next.view()).data();
-    backend.run((bricks + kGrain - 1) / kGrain, [&](std::size_t task) {
-      const std::size_t end = std::min((task + 1) * kGrain, bricks);
-      for (std::size_t b = task * kGrain; b < end; ++b) {
-        const float* own = from + kCells * b;
-        std::copy_n(own, kCells, to + kCells * b);
-        changes[b] = 0;
-        if (!any_of(near + 27 * b, changed)) continue;
-        SizeHalo halo(near + 27 * b, from, kLargestRadius);
-        relax(steps, halo);
-        halo.copy_own(to + kCells * b);
-        changes[b] = !std::equal(own, own + kCells, to + kCells * b);
-      }
+    for_each_index(backend, bricks, kBrickGrain, [&](std::size_t b) {
+      const float* own = from + kCells * b;
+      std::copy_n(own, kCells, to + kCells * b);
+      changes[b] = 0;
+      if (!any_of(near + 27 * b, changed)) return;
+      SizeHalo halo(near + 27 * b, from, kLargestRadius);
+      relax(steps, halo);
+      halo.copy_own(to + kCells * b);
+      changes[b] = !std::equal(own, own + kCells, to + kCells * b);
     });
     std::swap(values, next);
     std::swap(changed, changes);

@@ -1,6 +1,5 @@
 #include "stages/solid_surface.h"
 
-#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstdint>
@@ -9,6 +8,7 @@
 #include <vector>
 
 #include "backend/in_steps.h"
+#include "backend/ranges.h"
 #include "types/lattice_access.h"
 #include "types/marching_cube.h"
 
@@ -16,7 +16,7 @@ namespace vasamesh {
 
 namespace {
 
-constexpr std::size_t kBricks = 64;  // that a task takes
+constexpr std::size_t kGrain = 64;  // bricks a task takes
 constexpr std::size_t kWords = kBrickCells / 64;
 
 /// The numbers of the face centres, by their nodes.
@@ -25,11 +25,9 @@ class FaceNumbers {
   FaceNumbers(Backend& backend, View<const std::uint8_t> state)
       : words_(filled_in_steps<std::uint64_t>(backend, state.size / 64)),
         first_(filled_in_steps<std::uint32_t>(backend, state.size / 64 + 1)) {
-    constexpr std::size_t kTask = kBricks * kWords;
-    backend.run((words_.size() + kTask - 1) / kTask, [&](std::size_t task) {
-      for (std::size_t w = task * kTask; w < std::min((task + 1) * kTask, words_.size()); ++w)
-        for (std::size_t eight = 0; eight < 8; ++eight)
-          words_[w] |= face_bits(state.data() + 64 * w + 8 * eight) << 8 * eight;
+    for_each_index(backend, words_.size(), kGrain * kWords, [&](std::size_t w) {
+      for (std::size_t eight = 0; eight < 8; ++eight)
+        words_[w] |= face_bits(state.data() + 64 * w + 8 * eight) << 8 * eight;
     });
     in_steps(backend, words_.size(), [&](std::size_t w) {
       first_[w + 1] = first_[w] + static_cast<std::uint32_t>(std::popcount(words_[w]));
@@ -167,9 +165,9 @@ SolidSurface marching_cubes_of(Backend& backend, const Lattice& lattice, const S
   SolidSurface surface;
   std::vector<float>& vertices = surface.all.vertices;
   resize_in_steps(backend, 3 * faces.count(), vertices);
-  std::vector<Part> parts((bricks.count + kBricks - 1) / kBricks);
-  backend.run(parts.size(), [&](std::size_t part) {
-    for (std::size_t b = part * kBricks; b < std::min((part + 1) * kBricks, bricks.count); ++b) {
+  const auto make = [&](std::size_t begin, std::size_t end) {
+    Part part;
+    for (std::size_t b = begin; b < end; ++b) {
       const BrickCoord& brick = bricks.coords[b];
       faces.for_each_in(b, [&](std::size_t node) {
         const int cell = static_cast<int>(node % kBrickCells);
@@ -178,9 +176,11 @@ SolidSurface marching_cubes_of(Backend& backend, const Lattice& lattice, const S
         p[1] = 0.5f * scale[1] * static_cast<float>(8 * brick.y + (cell >> 3 & 7));
         p[2] = 0.5f * scale[2] * static_cast<float>(8 * brick.z + (cell >> 6));
       });
-      add_polygons(bricks, state, b, faces, parts[part]);
+      add_polygons(bricks, state, b, faces, part);
     }
-  });
+    return part;
+  };
+  const std::vector<Part> parts = map_ranges(backend, bricks.count, kGrain, make);
   append_in_steps<float>(backend, vertices, surface.common.vertices);
   for (const Part& part : parts) {
     append_in_steps<std::uint32_t>(backend, part.all, surface.all.triangles);

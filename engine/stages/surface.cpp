@@ -1,11 +1,12 @@
 #include "stages/surface.h"
 
-#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <utility>
 
 #include "backend/in_steps.h"
+#include "backend/ranges.h"
 #include "types/volume.h"
 #include "vasamesh/errors.h"
 
@@ -77,23 +78,17 @@ TriangleMesh extract_base_surface(Backend& backend, const Lattice& lattice) {
 
 void place_in_space(Backend& backend, const Geometry& geometry, Space space, TriangleMesh& mesh) {
   const Affine affine = voxel_to_space(geometry, space);
-  constexpr std::size_t kBlock = 8192;  // vertices or triangles a task takes
-  const auto blocks = [](std::size_t count) { return (count + kBlock - 1) / kBlock; };
-  backend.run(blocks(mesh.vertex_count()), [&](std::size_t block) {
-    const std::size_t end = std::min((block + 1) * kBlock, mesh.vertex_count());
-    for (std::size_t v = block * kBlock; v < end; ++v) {
-      float* p = &mesh.vertices[3 * v];
-      const double x = p[0], y = p[1], z = p[2];
-      for (std::size_t row = 0; row < 3; ++row)
-        p[row] = static_cast<float>(affine.matrix[3 * row] * x + affine.matrix[3 * row + 1] * y +
-                                    affine.matrix[3 * row + 2] * z + affine.offset[row]);
-    }
+  constexpr std::size_t kGrain = 8192;  // vertices or triangles a task takes
+  for_each_index(backend, mesh.vertex_count(), kGrain, [&](std::size_t v) {
+    float* p = &mesh.vertices[3 * v];
+    const double x = p[0], y = p[1], z = p[2];
+    for (std::size_t row = 0; row < 3; ++row)
+      p[row] = static_cast<float>(affine.matrix[3 * row] * x + affine.matrix[3 * row + 1] * y +
+                                  affine.matrix[3 * row + 2] * z + affine.offset[row]);
   });
   if (affine.determinant() > 0) return;
-  backend.run(blocks(mesh.triangle_count()), [&](std::size_t block) {
-    const std::size_t end = std::min((block + 1) * kBlock, mesh.triangle_count());
-    for (std::size_t t = block * kBlock; t < end; ++t)
-      std::swap(mesh.triangles[3 * t + 1], mesh.triangles[3 * t + 2]);
+  for_each_index(backend, mesh.triangle_count(), kGrain, [&](std::size_t t) {
+    std::swap(mesh.triangles[3 * t + 1], mesh.triangles[3 * t + 2]);
   });
 }
 

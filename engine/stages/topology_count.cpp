@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 
+#include "backend/ranges.h"
 #include "stages/euler.h"
 
 namespace vasamesh {
@@ -145,23 +146,23 @@ class ThinRow {
 };
 
 Finding find_one_voxel_parts(Backend& backend, const BitView& object, const RunTable& table) {
-  const std::size_t slabs = (object.size[2] + kSlab - 1) / kSlab;
-  std::vector<Finding> parts(slabs);
-  backend.run(slabs, [&](std::size_t s) {
-    const int first = static_cast<int>(s) * kSlab;
-    for (int z = first; z < std::min(first + kSlab, object.size[2]); ++z)
+  const auto find = [&](std::size_t begin, std::size_t end) {
+    Finding found;
+    for (int z = static_cast<int>(begin); z < static_cast<int>(end); ++z)
       for (int y = 0; y < object.size[1]; ++y) {
         if (table.row_empty(y, z)) continue;
         const ThinRow row(object, y, z);
         for (int i = 0; i < object.words_per_row; ++i) {
           if (object.words[object.row(y, z) + i] == 0) continue;
           const std::uint64_t thin = row.word(i);
-          note(parts[s], std::popcount(thin), unpadded(64 * i + std::countr_zero(thin), y, z));
+          note(found, std::popcount(thin), unpadded(64 * i + std::countr_zero(thin), y, z));
         }
       }
-  });
+    return found;
+  };
   Finding total;
-  for (const Finding& part : parts) note(total, part.count, part.place);
+  for (const Finding& part : map_ranges(backend, object.size[2], kSlab, find))
+    note(total, part.count, part.place);
   return total;
 }
 

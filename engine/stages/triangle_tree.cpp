@@ -5,16 +5,15 @@
 #include <utility>
 
 #include "backend/in_steps.h"
+#include "backend/ranges.h"
 
 namespace vasamesh {
 
 namespace {
 
-constexpr std::size_t kChunk = 32768;  // triangles or nodes a task takes
+constexpr std::size_t kGrain = 32768;  // triangles or nodes a task takes
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr Box kNothing{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
-
-std::size_t chunks(std::size_t count) { return (count + kChunk - 1) / kChunk; }
 
 void extend(Box& box, const float* p) {
   for (int a = 0; a < 3; ++a) {
@@ -82,11 +81,9 @@ void set_box(BoxNode& node, std::size_t i, const Box& box) {
 template <class BoxOf>
 std::vector<BoxNode> make_level(Backend& backend, std::size_t count, const BoxOf& box) {
   auto nodes = filled_in_steps<BoxNode>(backend, (count + 7) / 8);
-  backend.run(chunks(nodes.size()), [&](std::size_t chunk) {
-    const std::size_t end = std::min((chunk + 1) * kChunk, nodes.size());
-    for (std::size_t n = chunk * kChunk; n < end; ++n)
-      for (std::size_t i = 0; i < 8; ++i)
-        set_box(nodes[n], i, 8 * n + i < count ? box(8 * n + i) : kNothing);
+  for_each_index(backend, nodes.size(), kGrain, [&](std::size_t n) {
+    for (std::size_t i = 0; i < 8; ++i)
+      set_box(nodes[n], i, 8 * n + i < count ? box(8 * n + i) : kNothing);
   });
   return nodes;
 }
@@ -98,29 +95,23 @@ std::vector<std::uint32_t> morton_order(Backend& backend, const TriangleMesh& me
   in_steps(backend, mesh.triangle_count(), [&](std::size_t t) {
     if (keep.empty() || keep[t]) items.push_back({0, static_cast<std::uint32_t>(t)});
   });
-  std::vector<Box> part(chunks(items.size()), kNothing);
-  const auto for_items = [&](std::size_t chunk, const auto& visit) {
-    const std::size_t end = std::min((chunk + 1) * kChunk, items.size());
-    for (std::size_t i = chunk * kChunk; i < end; ++i)
-      visit(items[i], triangle_box(mesh, items[i].triangle));
+  const auto joined = [](Box box, const Box& other) {
+    extend(box, other.low);
+    extend(box, other.high);
+    return box;
   };
-  backend.run(part.size(), [&](std::size_t chunk) {
-    for_items(chunk, [&](Keyed&, const Box& box) {
-      extend(part[chunk], box.low);
-      extend(part[chunk], box.high);
-    });
-  });
-  Box whole = kNothing;
-  for (const Box& box : part) {
-    extend(whole, box.low);
-    extend(whole, box.high);
-  }
+  const auto box_round = [&](std::size_t begin, std::size_t end) {
+    Box box = kNothing;
+    for (std::size_t i = begin; i < end; ++i)
+      box = joined(box, triangle_box(mesh, items[i].triangle));
+    return box;
+  };
+  const Box whole = reduce_ranges(backend, items.size(), kGrain, kNothing, box_round, joined);
   float side = 0;
   for (int a = 0; a < 3; ++a) side = std::max(side, whole.high[a] - whole.low[a]);
   const float scale = side > 0 ? 1024.0f / side : 0.0f;
-  backend.run(part.size(), [&](std::size_t chunk) {
-    for_items(chunk,
-              [&](Keyed& item, const Box& box) { item.key = morton_key(box, whole, scale); });
+  for_each_index(backend, items.size(), kGrain, [&](std::size_t i) {
+    items[i].key = morton_key(triangle_box(mesh, items[i].triangle), whole, scale);
   });
   sort_by_key(backend, items);
   auto order = filled_in_steps<std::uint32_t>(backend, items.size());

@@ -1,9 +1,9 @@
 #include "stages/verify.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "backend/in_steps.h"
+#include "backend/ranges.h"
 #include "stages/intersect.h"
 #include "stages/manifold.h"
 #include "stages/pieces.h"
@@ -15,7 +15,7 @@ namespace vasamesh {
 
 namespace {
 
-constexpr std::size_t kChunk = 32768;  // triangles a task takes
+constexpr std::size_t kGrain = 32768;  // triangles a task takes
 
 void require_indices(const Backend& backend, const TriangleMesh& mesh) {
   if (mesh.vertices.size() % 3 != 0 || mesh.triangles.size() % 3 != 0)
@@ -56,15 +56,17 @@ TriangleState state_of(const TriangleMesh& mesh, std::size_t t, bool& degenerate
 std::vector<std::uint8_t> triangle_states(Backend& backend, const TriangleMesh& mesh,
                                           CheckReport& report) {
   auto states = filled_in_steps<std::uint8_t>(backend, mesh.triangle_count());
-  std::vector<std::int64_t> degenerate((states.size() + kChunk - 1) / kChunk, 0);
-  backend.run(degenerate.size(), [&](std::size_t chunk) {
-    for (std::size_t t = chunk * kChunk; t < std::min((chunk + 1) * kChunk, states.size()); ++t) {
+  const auto find = [&](std::size_t begin, std::size_t end) {
+    std::int64_t count = 0;
+    for (std::size_t t = begin; t < end; ++t) {
       bool is_degenerate = false;
       states[t] = state_of(mesh, t, is_degenerate);
-      degenerate[chunk] += is_degenerate;
+      count += is_degenerate;
     }
-  });
-  for (std::int64_t count : degenerate) report.degenerate_triangles += count;
+    return count;
+  };
+  report.degenerate_triangles =
+      reduce_ranges(backend, states.size(), kGrain, std::int64_t{0}, find);
   return states;
 }
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <bit>
 #include <functional>
+#include <numeric>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -40,13 +42,6 @@ std::function<void()> opening_checkpoint(const std::atomic<bool>* cancel) {
     if (cancel->load(std::memory_order_relaxed))
       throw Error(ErrorCode::cancelled, "cancelled while a device was opened");
   };
-}
-
-/// Turns block totals into the blocks' starts, in place. \return the sum of all.
-std::uint64_t starts_of(std::vector<std::uint64_t>& totals) {
-  std::uint64_t sum = 0;
-  for (std::uint64_t& total : totals) sum += std::exchange(total, sum);
-  return sum;
 }
 
 }  // namespace
@@ -176,22 +171,23 @@ void OpenClBackend::fill(View<std::uint32_t> values, std::uint32_t value) {
 std::uint32_t OpenClBackend::exclusive_scan(View<const std::uint32_t> values,
                                             View<std::uint32_t> sums) {
   const std::size_t blocks = pieces(values.size, static_cast<std::size_t>(shape_.scan_block()));
-  std::vector<std::uint64_t> totals(blocks);
+  std::vector<std::uint64_t> starts(blocks + 1);  // of the blocks, and the sum of all
+  const std::span totals = std::span(starts).first(blocks);
   const cl_ulong count = values.size;
   if (blocks) {
     totals_.resize(*this, blocks);
     launch("primitives_scan_totals", blocks, shape_.scan_items, values, count, totals_.view());
     download<std::uint64_t>(totals_.view(), totals);
   }
-  const std::uint64_t sum = starts_of(totals);
-  if (sum > 0xffffffffu)
+  std::exclusive_scan(starts.begin(), starts.end(), starts.begin(), std::uint64_t{0});
+  if (starts.back() > 0xffffffffu)
     throw Error(ErrorCode::refused, "more than 2^32 elements: convert a part of the volume");
   if (blocks) {
     upload<std::uint64_t>(totals_.view(), totals);
     launch("primitives_scan_blocks", blocks, shape_.scan_items, values, count, totals_.view(),
            sums);
   }
-  const auto total = static_cast<std::uint32_t>(sum);
+  const auto total = static_cast<std::uint32_t>(starts.back());
   upload<std::uint32_t>(sums.subview(values.size, 1), {&total, 1});
   return total;
 }

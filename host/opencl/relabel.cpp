@@ -1,7 +1,8 @@
 /// Homotopic relabelling and the local repair of the field: kernels/relabel.cl.
 
 #include <numeric>
-#include <utility>
+#include <span>
+#include <vector>
 
 #include "opencl/opencl_backend.h"
 
@@ -31,12 +32,12 @@ std::uint32_t OpenClBackend::relabel_sweep(const BrickView& bricks, View<const s
   const View<std::uint32_t> block_left = counts_of(blocks);
   launch("relabel_sweep", blocks, shape_.brick_items, threshold, count, bricks.neighbours, simple,
          values, nodes, state, block_left);
-  std::vector<std::uint32_t> starts(blocks);
-  download<std::uint32_t>(block_left, starts);
-  std::uint32_t sum = 0;
-  for (std::uint32_t& start : starts) sum += std::exchange(start, sum);
+  std::vector<std::uint32_t> starts(blocks + 1);  // and their sum
+  download<std::uint32_t>(block_left, std::span(starts).first(blocks));
+  std::exclusive_scan(starts.begin(), starts.end(), starts.begin(), 0u);
+  const std::uint32_t sum = starts.back();
   if (sum == count) return sum;
-  upload<std::uint32_t>(block_left, starts);
+  upload<std::uint32_t>(block_left, std::span(starts).first(blocks));
   launch("relabel_compact", blocks, shape_.brick_items, count, values,
          View<const std::uint8_t>(state), nodes, View<const std::uint32_t>(block_left), left);
   return sum;

@@ -7,10 +7,12 @@
 #include <cstring>
 #include <fstream>
 #include <new>
+#include <numeric>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "backend/ranges.h"
 #include "tbb/tbb_backend.h"
 #include "vasamesh/errors.h"
 
@@ -142,10 +144,9 @@ void TbbBackend::give_back_kept() {
 }
 
 void TbbBackend::copy(void* to, const void* from, std::size_t bytes) {
-  for_each((bytes + kCopyBytes - 1) / kCopyBytes, 1, [=](std::size_t block) {
-    const std::size_t first = block * kCopyBytes;
-    std::memcpy(static_cast<std::byte*>(to) + first, static_cast<const std::byte*>(from) + first,
-                std::min(kCopyBytes, bytes - first));
+  for_each_range(*this, bytes, kCopyBytes, [=](std::size_t begin, std::size_t end) {
+    std::memcpy(static_cast<std::byte*>(to) + begin, static_cast<const std::byte*>(from) + begin,
+                end - begin);
   });
 }
 
@@ -163,9 +164,8 @@ void TbbBackend::run(std::size_t tasks, const std::function<void(std::size_t)>& 
 
 template <class T>
 void TbbBackend::fill_blocks(View<T> values, T value) {
-  for_each((values.size + kBlock - 1) / kBlock, 1, [=](std::size_t block) {
-    const std::size_t first = block * kBlock;
-    std::fill_n(values.data() + first, std::min(kBlock, values.size - first), value);
+  for_each_range(*this, values.size, kBlock, [=](std::size_t begin, std::size_t end) {
+    std::fill_n(values.data() + begin, end - begin, value);
   });
 }
 
@@ -179,27 +179,22 @@ void TbbBackend::fill(View<std::uint32_t> values, std::uint32_t value) {
 
 std::uint32_t TbbBackend::exclusive_scan(View<const std::uint32_t> values,
                                          View<std::uint32_t> sums) {
-  const std::size_t blocks = (values.size + kBlock - 1) / kBlock;
-  std::vector<std::uint64_t> block_sum(blocks + 1, 0);
-  for_each(blocks, 1, [&](std::size_t block) {
-    const std::size_t end = std::min((block + 1) * kBlock, values.size);
-    std::uint64_t sum = 0;
-    for (std::size_t i = block * kBlock; i < end; ++i) sum += values[i];
-    block_sum[block + 1] = sum;
+  auto starts = map_ranges(*this, values.size, kBlock, [&](std::size_t begin, std::size_t end) {
+    return std::accumulate(values.data() + begin, values.data() + end, std::uint64_t{0});
   });
-  for (std::size_t i = 0; i < blocks; ++i) block_sum[i + 1] += block_sum[i];
-  if (block_sum[blocks] > 0xffffffffu)
+  starts.push_back(0);
+  std::exclusive_scan(starts.begin(), starts.end(), starts.begin(), std::uint64_t{0});
+  if (starts.back() > 0xffffffffu)
     throw Error(ErrorCode::refused, "more than 2^32 elements: convert a part of the volume");
-  for_each(blocks, 1, [&](std::size_t block) {
-    const std::size_t end = std::min((block + 1) * kBlock, values.size);
-    auto sum = static_cast<std::uint32_t>(block_sum[block]);
-    for (std::size_t i = block * kBlock; i < end; ++i) {
+  for_each_range(*this, values.size, kBlock, [&](std::size_t begin, std::size_t end) {
+    auto sum = static_cast<std::uint32_t>(starts[begin / kBlock]);
+    for (std::size_t i = begin; i < end; ++i) {
       const std::uint32_t value = values[i];
       sums[i] = sum;
       sum += value;
     }
   });
-  const auto total = static_cast<std::uint32_t>(block_sum[blocks]);
+  const auto total = static_cast<std::uint32_t>(starts.back());
   sums[values.size] = total;
   return total;
 }

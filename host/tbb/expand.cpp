@@ -1,9 +1,9 @@
 /// Rounds of mesh expanding: corners of the boundary in blocks, a proposal's pieces in tasks.
 
-#include <algorithm>
 #include <cstdint>
 #include <vector>
 
+#include "backend/ranges.h"
 #include "stages/expand_propose.h"
 #include "stages/expand_steps.h"
 #include "tbb/tbb_backend.h"
@@ -63,19 +63,18 @@ void TbbBackend::expand_claim(const FieldView& field, const FrontView& front) {
 
 void TbbBackend::expand_propose(const FieldView& field, const SizeView& sizes,
                                 const FrontLimits& limits, const FrontView& front) {
-  const std::size_t count = front.proposals.size;
-  for_each((count + kProposalGrain - 1) / kProposalGrain, 1, [&](std::size_t piece) {
+  const auto propose_range = [&](std::size_t begin, std::size_t end) {
     std::vector<BoundaryEdge> near;
     near.reserve(kNearUsual);
-    const std::size_t end = std::min((piece + 1) * kProposalGrain, count);
-    for (std::size_t i = piece * kProposalGrain; i < end; ++i) {
+    for (std::size_t i = begin; i < end; ++i) {
       const std::uint32_t corner = front.chosen[i];
       front.proposals[i].kind = Proposal::nothing;
       if (holds_cells(field, front, corner))
         front.proposals[i] = asked(field, sizes, limits, front, corner, near);
       front.starts[i] = needs_of(front, corner, front.proposals[i]);
     }
-  });
+  };
+  for_each_range(*this, front.proposals.size, kProposalGrain, propose_range);
 }
 
 void TbbBackend::expand_add(const FieldView& field, const FrontView& front) {

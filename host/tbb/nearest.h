@@ -9,8 +9,8 @@
 #include <bit>
 #include <cstdint>
 #include <limits>
+#include <numeric>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "stages/normals.h"
@@ -68,12 +68,11 @@ class Neighbourhood {
 
   /// The voxels in reach of voxel (x, y, z) of the brick that have samples, nearest first.
   void collect(int x, int y, int z, std::vector<Candidate>& candidates) const {
-    std::array<int, kFarthest + 1> start{};  // by the square of the distance
+    std::array<int, kFarthest + 2> start{};  // by the square of the distance, and the end
     const auto square = [](int dx, int dy, int dz) { return dx * dx + dy * dy + dz * dz; };
     visit_near(x, y, z, [&](int dx, int dy, int dz) { ++start[square(dx, dy, dz)]; });
-    int total = 0;
-    for (int& i : start) i = std::exchange(total, total + i);
-    candidates.resize(static_cast<std::size_t>(total));
+    std::exclusive_scan(start.begin(), start.end(), start.begin(), 0);
+    candidates.resize(static_cast<std::size_t>(start.back()));
     visit_near(x, y, z, [&](int dx, int dy, int dz) {
       const int cell = cell_of(x + dx, y + dy, z + dz);
       candidates[start[square(dx, dy, dz)]++] = {

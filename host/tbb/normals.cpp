@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "backend/ranges.h"
 #include "stages/gradient_table.h"
 #include "stages/jacobi.h"
 #include "tbb/nearest.h"
@@ -205,10 +206,9 @@ void TbbBackend::normals_covariance(const PointView& points, const BrickView& br
       }
     }
   };
-  for_each((bricks.count + kBrickGrain - 1) / kBrickGrain, 1, [&](std::size_t task) {
+  for_each_range(*this, bricks.count, kBrickGrain, [&](std::size_t begin, std::size_t end) {
     const auto work = std::make_unique<Workspace>(k + 1);
-    const std::size_t end = std::min((task + 1) * kBrickGrain, bricks.count);
-    for (std::size_t brick = task * kBrickGrain; brick < end; ++brick) estimate_brick(brick, *work);
+    for (std::size_t brick = begin; brick < end; ++brick) estimate_brick(brick, *work);
   });
 }
 

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <vector>
 
+#include "backend/ranges.h"
 #include "tbb/byte_rows.h"
 #include "tbb/tbb_backend.h"
 #include "types/lattice_access.h"
@@ -247,23 +248,22 @@ std::uint32_t TbbBackend::relabel_sweep(const BrickView& bricks, View<const std:
                                         View<const float> values, float threshold,
                                         View<const std::uint32_t> nodes, View<std::uint8_t> state,
                                         View<std::uint32_t> left) {
-  const std::size_t blocks = (nodes.size + kNodeGrain - 1) / kNodeGrain;
-  std::vector<std::size_t> kept(blocks);  // of each block, from its own place in `left` on
-  for_each(blocks, 1, [&](std::size_t block) {
-    const std::size_t first = block * kNodeGrain;
-    std::uint32_t* next = left.data() + first;
-    for (std::size_t i = first; i < std::min(first + kNodeGrain, nodes.size); ++i) {
+  const auto sweep = [&](std::size_t begin, std::size_t end) {
+    std::uint32_t* next = left.data() + begin;
+    for (std::size_t i = begin; i < end; ++i) {
       const std::uint32_t node = nodes[i];
       if (std::fabs(values[node]) < threshold || !simple[link_labels(bricks, state.data(), node)])
         *next++ = node;
       else
         state[node] ^= kLabel;
     }
-    kept[block] = static_cast<std::size_t>(next - (left.data() + first));
-  });
+    return static_cast<std::size_t>(next - (left.data() + begin));
+  };
+  // of each range, from its own place in `left` on
+  const std::vector<std::size_t> kept = map_ranges(*this, nodes.size, kNodeGrain, sweep);
   std::uint32_t* end = left.data();
-  for (std::size_t block = 0; block < blocks; ++block)
-    end = std::copy_n(left.data() + block * kNodeGrain, kept[block], end);
+  for (std::size_t range = 0; range < kept.size(); ++range)
+    end = std::copy_n(left.data() + range * kNodeGrain, kept[range], end);
   return static_cast<std::uint32_t>(end - left.data());
 }
 
