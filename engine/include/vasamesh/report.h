@@ -78,7 +78,7 @@ struct LevelReport {
   double residual = 0;
 };
 
-/// How far the relabelled field had to be led back to the segmentation (design of the topology).
+/// How far the relabelled field had to be led back to the segmentation (engine/stages/relabel.h).
 struct RelabelReport {
   std::int64_t lattice_nodes = 0;
   std::int64_t flips = 0;
