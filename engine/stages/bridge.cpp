@@ -5,8 +5,6 @@
 #include <tuple>
 #include <utility>
 
-#include "types/angles.h"
-
 namespace vasamesh {
 
 namespace {
@@ -253,8 +251,7 @@ class Bridger {
     const Vec3 here = at(loop[i]), x = at(next(loop, i)) - here, y = cross(rim_.normal(loop[i]), x);
     const auto angle = [&](std::uint32_t v) {
       const Vec3 to = at(v) - here;
-      const float a = angle_of(dot(x, to), dot(y, to));
-      return a < 0 ? a + 2 * 3.14159265f : a;
+      return positive_angle(dot(x, to), dot(y, to));
     };
     const float of_vertex = angle(vertex);
     return of_vertex > 0 && of_vertex < angle(loop[(i + loop.size() - 1) % loop.size()]);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <map>
+#include <numbers>
 #include <set>
 #include <tuple>
 
@@ -16,7 +17,7 @@ namespace vasamesh {
 
 namespace {
 
-constexpr double kTwoPi = 6.283185307179586;
+constexpr double kTwoPi = 2 * std::numbers::pi;
 constexpr float kCell = kCurvatureCube / 2;
 constexpr std::size_t kGrain = 8192;  // triangles a task takes
 
