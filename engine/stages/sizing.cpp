@@ -8,6 +8,7 @@
 
 #include "backend/in_steps.h"
 #include "stages/adjacency.h"
+#include "stages/compass.h"
 #include "stages/lower_to.h"
 #include "types/mesh_vertex.h"
 
@@ -342,13 +343,9 @@ float place_factor(std::span<const CarefulPlace> places, const Vec3& p) {
 }  // namespace
 
 float radius_of_curvature(const FieldView& field, const Vec3& p, const Vec3& normal, float ample) {
-  constexpr float kHalf = 0.5f, kSine = 0.8660254f;
-  constexpr float kDirections[6][2] = {{1, 0},  {kHalf, kSine},   {-kHalf, kSine},
-                                       {-1, 0}, {-kHalf, -kSine}, {kHalf, -kSine}};
-  const Vec3 u = any_tangent(normal), v = cross(normal, u);
+  const std::array<Vec3, 6> directions = hexagon_across(normal);
   std::array<Walk, 6> walks;
-  for (std::size_t i = 0; i < walks.size(); ++i)
-    walks[i] = {p, kDirections[i][0] * u + kDirections[i][1] * v};
+  for (std::size_t i = 0; i < walks.size(); ++i) walks[i] = {p, directions[i]};
   float least = 0, far = 0;
   for (const float step : kRings) {
     float here = kLargestRadius * kLargestRadius;
