@@ -12,6 +12,7 @@
 #include "stages/patch_clearance.h"
 #include "stages/patch_passes.h"
 #include "stages/patch_rules.h"
+#include "types/box.h"
 #include "types/mesh_vertex.h"
 
 namespace vasamesh {
@@ -204,29 +205,18 @@ std::vector<FarPoint> far_points(Backend& backend, std::span<const Vec3> points,
   return found;
 }
 
-/// The box round a part.
-struct Extent {
-  Vec3 low, high;
-
-  explicit Extent(const PatchMesh& part) : low(part.points[0].position), high(low) {
-    for (const SurfacePoint& point : part.points) {
-      const Vec3& p = point.position;
-      low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-      high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-    }
-  }
-  bool is_within(const Vec3& p, float d) const {
-    return p.x >= low.x - d && p.x <= high.x + d && p.y >= low.y - d && p.y <= high.y + d &&
-           p.z >= low.z - d && p.z <= high.z + d;
-  }
-};
+Box box_round(const PatchMesh& part) {
+  Box box;
+  for (const SurfacePoint& point : part.points) box.take_in(point.position);
+  return box;
+}
 
 /// The points within reach of the part.
 std::vector<FarPoint> points_of(const std::vector<FarPoint>& points, const PatchMesh& part) {
-  const Extent extent(part);
+  const Box box = box_round(part);
   std::vector<FarPoint> found;
   for (const FarPoint& point : points)
-    if (extent.is_within(point.position, point.distance)) found.push_back(point);
+    if (box.holds(point.position, point.distance)) found.push_back(point);
   return found;
 }
 
@@ -313,10 +303,10 @@ TriangleMesh bring_back(Backend& backend, const FieldView& field, const SizeView
     WorkingSurface surface = make_working_surface(backend, goal, mesh);
     for_each_block(backend, {block_side(sizes), 0.3f * static_cast<float>(round)}, surface,
                    [&](PatchMesh& part) {
-                     const Extent extent(part);
+                     const Box box = box_round(part);
                      std::optional<Approach> work;
                      for (const StrayVertex& stray : strays) {
-                       if (!extent.is_within(stray.from, 0)) continue;
+                       if (!box.holds(stray.from)) continue;
                        if (!work) work.emplace(part, goal, farthest, least);
                        work->draw_vertex(stray.from, stray.to);
                      }

@@ -38,27 +38,19 @@ float squared_distance(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& 
   return inside >= 0 ? least(to_plane, to_sides) : to_sides;
 }
 
-Box box_round(std::span<const Vec3> points, float margin) {
-  Vec3 low = points[0], high = low;
-  for (const Vec3& p : points) {
-    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-  }
-  return {{low.x - margin, low.y - margin, low.z - margin},
-          {high.x + margin, high.y + margin, high.z + margin}};
-}
-
 }  // namespace
 
 void NearTriangles::take_up(std::span<const Vec3> points) {
-  take_up(box_round(points, limit_), points[0]);
+  Box box;
+  for (const Vec3& p : points) box.take_in(p);
+  take_up(box.widened(limit_), points[0]);
 }
 
 bool NearTriangles::hold_ball(const Vec3& middle, float radius) {
   const float reach = limit_ - radius;
   if (reach < kLeastReach) return false;
   if (within(middle, reach)) return true;
-  take_up(box_round(std::span(&middle, 1), reach), middle);
+  take_up(Box{middle, middle}.widened(reach), middle);
   return within(middle, reach) != 0;
 }
 

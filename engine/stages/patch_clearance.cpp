@@ -28,12 +28,17 @@ bool meet(const PatchMesh& mesh, const Clearance::Corners& a, const Clearance::C
   return triangles_intersect(named(a, at), named(b, at + 3));
 }
 
-}  // namespace
-
-Clearance::Box::Box(const PatchMesh& mesh, const Corners& t) : low(place(mesh, t[0])), high(low) {
-  take_in(place(mesh, t[1]));
-  take_in(place(mesh, t[2]));
+Box box_round(const PatchMesh& mesh, const Clearance::Corners& t) {
+  Box box = {place(mesh, t[0]), place(mesh, t[0])};
+  box.take_in(place(mesh, t[1]));
+  box.take_in(place(mesh, t[2]));
+  return box;
 }
+
+/// Of the box's longest side.
+float half_side(const Box& box) { return 0.5f * box.longest_side(); }
+
+}  // namespace
 
 std::uint32_t Clearance::slot_of(std::uint32_t x, std::uint32_t y, std::uint32_t z) const {
   return (x * 73856093u ^ y * 19349663u ^ z * 83492791u) &
@@ -54,7 +59,7 @@ void Clearance::take_up_all(const PatchMesh& mesh, const Wanted& wanted) {
     mesh.take_turn();
     if (!mesh.is_edge(h) || !wanted(h)) continue;
     chosen.push_back(h);
-    sum += Box(mesh, mesh.corners(h)).half_side();
+    sum += half_side(box_round(mesh, mesh.corners(h)));
   }
   if (sum > 0) inverse_side_ = static_cast<float>(chosen.size()) / (kSide * sum);
   head_.assign(std::bit_ceil(chosen.size() + 1), PatchMesh::kNone);
@@ -78,16 +83,16 @@ Clearance::Clearance(const PatchMesh& mesh, std::span<const std::uint8_t> wanted
 
 void Clearance::take_up(const PatchMesh& mesh, std::uint32_t h) {
   const std::uint32_t index = h / 4;
-  const Box box(mesh, mesh.corners(4 * index));
+  const Box box = box_round(mesh, mesh.corners(4 * index));
   shells_.take_up(mesh, h);
   if (index >= faces_.size()) faces_.resize(mesh.half_edge_end() / 4);
   Face& face = faces_[index];
   face.box = box;
-  const bool large = box.half_side() * inverse_side_ > 1;
+  const bool large = half_side(box) * inverse_side_ > 1;
   const Vec3 middle = box.middle();
   const std::uint32_t slot =
       large ? kAmongLarge : slot_of(cell_of(middle.x), cell_of(middle.y), cell_of(middle.z));
-  if (!large) reach_ = std::max(reach_, kSlack * box.half_side());
+  if (!large) reach_ = std::max(reach_, kSlack * half_side(box));
   if (face.slot == slot) return;
   face.slot = slot;
   if (large) return large_.push_back(index);
@@ -111,7 +116,7 @@ void Clearance::find_candidates(const PatchMesh& mesh, std::span<const std::uint
   ++stamp_;
   for (std::uint32_t h : gone)
     if (h / 4 < faces_.size()) faces_[h / 4].seen = stamp_;
-  const Vec3 reach = {reach_, reach_, reach_}, low = around.low - reach, high = around.high + reach;
+  const auto [low, high] = around.widened(reach_);
   for (std::uint32_t z = cell_of(low.z); z <= cell_of(high.z); ++z)
     for (std::uint32_t y = cell_of(low.y); y <= cell_of(high.y); ++y)
       for (std::uint32_t x = cell_of(low.x); x <= cell_of(high.x); ++x) {
@@ -134,14 +139,14 @@ bool Clearance::is_clear(const PatchMesh& mesh, std::span<const std::uint32_t> g
   mesh.take_turn();
   if (made.empty()) return true;
   if (!shells_.keep_volume(mesh, gone, made)) return false;
-  Box around(mesh, made[0]);
+  Box around = box_round(mesh, made[0]);
   for (const Corners& t : made)
     for (const std::uint32_t v : t) around.take_in(place(mesh, v));
   find_candidates(mesh, gone, around);
   for (std::size_t i = 0; i < made.size(); ++i) {
-    const Box box(mesh, made[i]);
+    const Box box = box_round(mesh, made[i]);
     for (std::size_t j = 0; j < i; ++j)
-      if (box.meets(Box(mesh, made[j])) && meet(mesh, made[i], made[j])) return false;
+      if (box.meets(box_round(mesh, made[j])) && meet(mesh, made[i], made[j])) return false;
     for (const Candidate& other : candidates_)
       if (box.meets(other.box) && meet(mesh, made[i], other.corners)) return false;
   }

@@ -9,13 +9,13 @@
 /// Teschner, Heidelberger, Mueller, Pomerantes, Gross: Optimized spatial hashing for collision
 /// detection of deformable objects, 2003.
 
-#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 #include "stages/patch_mesh.h"
 #include "stages/small_shells.h"
+#include "types/box.h"
 
 namespace vasamesh {
 
@@ -47,26 +47,6 @@ class Clearance {
  private:
   template <class Wanted>
   void take_up_all(const PatchMesh& mesh, const Wanted& wanted);
-  struct Box {
-    Vec3 low, high;
-
-    Box() = default;
-    Box(const PatchMesh& mesh, const Corners& triangle);
-    void take_in(const Vec3& p) {
-      low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-      high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-    }
-    bool meets(const Box& other) const {
-      return low.x <= other.high.x && other.low.x <= high.x && low.y <= other.high.y &&
-             other.low.y <= high.y && low.z <= other.high.z && other.low.z <= high.z;
-    }
-    Vec3 middle() const { return 0.5f * (low + high); }
-    /// Half of its longest side.
-    float half_side() const {
-      const Vec3 sides = high - low;
-      return 0.5f * std::max({sides.x, sides.y, sides.z});
-    }
-  };
   struct Entry {
     std::uint32_t face, next;
   };

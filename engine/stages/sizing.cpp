@@ -10,6 +10,7 @@
 #include "stages/adjacency.h"
 #include "stages/compass.h"
 #include "stages/lower_to.h"
+#include "types/box.h"
 #include "types/mesh_vertex.h"
 
 namespace vasamesh {
@@ -223,18 +224,9 @@ void smooth_radii(Backend& backend, const IndicatorField& field, SurfaceSamples&
 /// Vertices of a shell that follow one another, and the box round them.
 struct ShellRun {
   std::uint32_t shell;
-  Vec3 low, high;
+  Box box;
 
-  void take_in(const ShellRun& other) {
-    low = {std::min(low.x, other.low.x), std::min(low.y, other.low.y),
-           std::min(low.z, other.low.z)};
-    high = {std::max(high.x, other.high.x), std::max(high.y, other.high.y),
-            std::max(high.z, other.high.z)};
-  }
-  float radius() const {
-    const Vec3 side = high - low;
-    return 0.5f * std::max({side.x, side.y, side.z});
-  }
+  float radius() const { return 0.5f * box.longest_side(); }
 };
 
 /// Of each shell (joined by vertices) the box, as one run.
@@ -247,9 +239,9 @@ std::vector<ShellRun> whole_shells(Backend& backend, const TriangleMesh& surface
     for (std::size_t v = task * kVertexGrain; v < end; ++v) {
       const Vec3 at = vertex_at(surface, v);
       if (own.empty() || own.back().shell != shell[v])
-        own.push_back({shell[v], at, at});
+        own.push_back({shell[v], {at, at}});
       else
-        own.back().take_in({shell[v], at, at});
+        own.back().box.take_in(at);
     }
   });
   std::unordered_map<std::uint32_t, std::size_t> index;  // of a shell in:
@@ -261,7 +253,7 @@ std::vector<ShellRun> whole_shells(Backend& backend, const TriangleMesh& surface
       if (fresh)
         shells.push_back(run);
       else
-        shells[found->second].take_in(run);
+        shells[found->second].box.take_in(run.box);
     }
   }
   return shells;

@@ -1,33 +1,23 @@
 #include "stages/triangle_tree.h"
 
 #include <algorithm>
-#include <limits>
 #include <utility>
 
 #include "backend/in_steps.h"
+#include "types/mesh_vertex.h"
 
 namespace vasamesh {
 
 namespace {
 
 constexpr std::size_t kChunk = 32768;  // triangles or nodes a task takes
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
-constexpr Box kNothing{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
 
 std::size_t chunks(std::size_t count) { return (count + kChunk - 1) / kChunk; }
 
-void extend(Box& box, const float* p) {
-  for (int a = 0; a < 3; ++a) {
-    box.low[a] = std::min(box.low[a], p[a]);
-    box.high[a] = std::max(box.high[a], p[a]);
-  }
-}
-
 Box triangle_box(const TriangleMesh& mesh, std::uint32_t triangle) {
-  Box box = kNothing;
-  for (int i = 0; i < 3; ++i)
-    extend(box,
-           mesh.vertices.data() + 3 * std::size_t{mesh.triangles[3 * std::size_t{triangle} + i]});
+  Box box;
+  for (std::size_t i = 0; i < 3; ++i)
+    box.take_in(vertex_at(mesh, mesh.triangles[3 * std::size_t{triangle} + i]));
   return box;
 }
 
@@ -45,13 +35,12 @@ std::uint32_t spread(std::uint32_t bits) {
 
 /// Place along the Morton curve, 1024 cells along the longest side of `whole`.
 std::uint32_t morton_key(const Box& box, const Box& whole, float scale) {
-  std::uint32_t key = 0;
-  for (int a = 0; a < 3; ++a) {
-    const float centre = 0.5f * box.low[a] + 0.5f * box.high[a];
-    const float cell = std::clamp((centre - whole.low[a]) * scale, 0.0f, 1023.0f);
-    key |= spread(static_cast<std::uint32_t>(cell)) << a;
-  }
-  return key;
+  const Vec3 centre = 0.5f * box.low + 0.5f * box.high;
+  const Vec3 cell = scale * (centre - whole.low);
+  const auto part = [](float x) {
+    return spread(static_cast<std::uint32_t>(std::clamp(x, 0.0f, 1023.0f)));
+  };
+  return part(cell.x) | part(cell.y) << 1 | part(cell.z) << 2;
 }
 
 /// Stable sort by the 30 bits of the keys.
@@ -72,10 +61,8 @@ void sort_by_key(const Backend& backend, std::vector<Keyed>& items) {
 }
 
 void set_box(BoxNode& node, std::size_t i, const Box& box) {
-  for (int a = 0; a < 3; ++a) {
-    node.low[a][i] = box.low[a];
-    node.high[a][i] = box.high[a];
-  }
+  node.low[0][i] = box.low.x, node.low[1][i] = box.low.y, node.low[2][i] = box.low.z;
+  node.high[0][i] = box.high.x, node.high[1][i] = box.high.y, node.high[2][i] = box.high.z;
 }
 
 /// Nodes over `count` boxes, eight each.
@@ -86,7 +73,7 @@ std::vector<BoxNode> make_level(Backend& backend, std::size_t count, const BoxOf
     const std::size_t end = std::min((chunk + 1) * kChunk, nodes.size());
     for (std::size_t n = chunk * kChunk; n < end; ++n)
       for (std::size_t i = 0; i < 8; ++i)
-        set_box(nodes[n], i, 8 * n + i < count ? box(8 * n + i) : kNothing);
+        set_box(nodes[n], i, 8 * n + i < count ? box(8 * n + i) : Box{});
   });
   return nodes;
 }
@@ -98,25 +85,18 @@ std::vector<std::uint32_t> morton_order(Backend& backend, const TriangleMesh& me
   in_steps(backend, mesh.triangle_count(), [&](std::size_t t) {
     if (keep.empty() || keep[t]) items.push_back({0, static_cast<std::uint32_t>(t)});
   });
-  std::vector<Box> part(chunks(items.size()), kNothing);
+  std::vector<Box> part(chunks(items.size()));
   const auto for_items = [&](std::size_t chunk, const auto& visit) {
     const std::size_t end = std::min((chunk + 1) * kChunk, items.size());
     for (std::size_t i = chunk * kChunk; i < end; ++i)
       visit(items[i], triangle_box(mesh, items[i].triangle));
   };
   backend.run(part.size(), [&](std::size_t chunk) {
-    for_items(chunk, [&](Keyed&, const Box& box) {
-      extend(part[chunk], box.low);
-      extend(part[chunk], box.high);
-    });
+    for_items(chunk, [&](Keyed&, const Box& box) { part[chunk].take_in(box); });
   });
-  Box whole = kNothing;
-  for (const Box& box : part) {
-    extend(whole, box.low);
-    extend(whole, box.high);
-  }
-  float side = 0;
-  for (int a = 0; a < 3; ++a) side = std::max(side, whole.high[a] - whole.low[a]);
+  Box whole;
+  for (const Box& box : part) whole.take_in(box);
+  const float side = whole.longest_side();
   const float scale = side > 0 ? 1024.0f / side : 0.0f;
   backend.run(part.size(), [&](std::size_t chunk) {
     for_items(chunk,
@@ -147,12 +127,8 @@ TriangleTree tree_over(Backend& backend, const TriangleMesh& mesh,
 }  // namespace
 
 Box box_of(const BoxNode& node) {
-  Box box = kNothing;
-  for (int a = 0; a < 3; ++a)
-    for (int i = 0; i < 8; ++i) {
-      box.low[a] = std::min(box.low[a], node.low[a][i]);
-      box.high[a] = std::max(box.high[a], node.high[a][i]);
-    }
+  Box box;
+  for (int i = 0; i < 8; ++i) box.take_in(box_of(node, i));
   return box;
 }
 
