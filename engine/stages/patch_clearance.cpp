@@ -1,7 +1,6 @@
 #include "stages/patch_clearance.h"
 
 #include <algorithm>
-#include <bit>
 
 #include "stages/intersect.h"
 
@@ -40,16 +39,6 @@ float half_side(const Box& box) { return 0.5f * box.longest_side(); }
 
 }  // namespace
 
-std::uint32_t Clearance::slot_of(std::uint32_t x, std::uint32_t y, std::uint32_t z) const {
-  return (x * 73856093u ^ y * 19349663u ^ z * 83492791u) &
-         static_cast<std::uint32_t>(head_.size() - 1);
-}
-
-/// Positions are not negative.
-std::uint32_t Clearance::cell_of(float x) const {
-  return static_cast<std::uint32_t>(inverse_side_ * std::max(x, 0.0f));
-}
-
 /// Takes up the triangles of the half-edges h, the first of each, for which wanted(h) says so.
 template <class Wanted>
 void Clearance::take_up_all(const PatchMesh& mesh, const Wanted& wanted) {
@@ -61,8 +50,9 @@ void Clearance::take_up_all(const PatchMesh& mesh, const Wanted& wanted) {
     chosen.push_back(h);
     sum += half_side(box_round(mesh, mesh.corners(h)));
   }
-  if (sum > 0) inverse_side_ = static_cast<float>(chosen.size()) / (kSide * sum);
-  head_.assign(std::bit_ceil(chosen.size() + 1), PatchMesh::kNone);
+  const float inverse_side = sum > 0 ? static_cast<float>(chosen.size()) / (kSide * sum) : 1.0f;
+  cells_ = CellHash(inverse_side, chosen.size());
+  head_.assign(cells_.slots(), PatchMesh::kNone);
   entries_.reserve(chosen.size());
   faces_.resize(mesh.half_edge_end() / 4);
   for (const std::uint32_t h : chosen) {
@@ -88,10 +78,8 @@ void Clearance::take_up(const PatchMesh& mesh, std::uint32_t h) {
   if (index >= faces_.size()) faces_.resize(mesh.half_edge_end() / 4);
   Face& face = faces_[index];
   face.box = box;
-  const bool large = half_side(box) * inverse_side_ > 1;
-  const Vec3 middle = box.middle();
-  const std::uint32_t slot =
-      large ? kAmongLarge : slot_of(cell_of(middle.x), cell_of(middle.y), cell_of(middle.z));
+  const bool large = half_side(box) * cells_.inverse_side() > 1;
+  const std::uint32_t slot = large ? kAmongLarge : cells_.slot_of(box.middle());
   if (!large) reach_ = std::max(reach_, kSlack * half_side(box));
   if (face.slot == slot) return;
   face.slot = slot;
@@ -116,21 +104,17 @@ void Clearance::find_candidates(const PatchMesh& mesh, std::span<const std::uint
   ++stamp_;
   for (std::uint32_t h : gone)
     if (h / 4 < faces_.size()) faces_[h / 4].seen = stamp_;
-  const auto [low, high] = around.widened(reach_);
-  for (std::uint32_t z = cell_of(low.z); z <= cell_of(high.z); ++z)
-    for (std::uint32_t y = cell_of(low.y); y <= cell_of(high.y); ++y)
-      for (std::uint32_t x = cell_of(low.x); x <= cell_of(high.x); ++x) {
-        const std::uint32_t slot = slot_of(x, y, z);
-        for (std::uint32_t* link = &head_[slot]; *link != PatchMesh::kNone;) {
-          Entry& entry = entries_[*link];
-          if (faces_[entry.face].slot != slot) {
-            *link = entry.next;
-            continue;
-          }
-          consider(mesh, entry.face, around);
-          link = &entry.next;
-        }
+  cells_.for_each_slot(around.widened(reach_), [&](std::uint32_t slot) {
+    for (std::uint32_t* link = &head_[slot]; *link != PatchMesh::kNone;) {
+      Entry& entry = entries_[*link];
+      if (faces_[entry.face].slot != slot) {
+        *link = entry.next;
+        continue;
       }
+      consider(mesh, entry.face, around);
+      link = &entry.next;
+    }
+  });
   for (const std::uint32_t index : large_) consider(mesh, index, around);
 }
 

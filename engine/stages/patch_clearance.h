@@ -5,9 +5,6 @@
 /// its triangles' middles finds the candidates (few large ones are always looked at), exact
 /// predicates decide (stages/intersect.h). And whether they would turn a small shell inside out
 /// (stages/small_shells.h).
-///
-/// Teschner, Heidelberger, Mueller, Pomerantes, Gross: Optimized spatial hashing for collision
-/// detection of deformable objects, 2003.
 
 #include <cstdint>
 #include <span>
@@ -16,6 +13,7 @@
 #include "stages/patch_mesh.h"
 #include "stages/small_shells.h"
 #include "types/box.h"
+#include "types/cell_hash.h"
 
 namespace vasamesh {
 
@@ -61,14 +59,12 @@ class Clearance {
     Box box;
   };
 
-  std::uint32_t slot_of(std::uint32_t x, std::uint32_t y, std::uint32_t z) const;
-  std::uint32_t cell_of(float x) const;
   void find_candidates(const PatchMesh& mesh, std::span<const std::uint32_t> gone,
                        const Box& around);
   void consider(const PatchMesh& mesh, std::uint32_t index, const Box& around);
 
   SmallShells shells_;
-  float inverse_side_ = 1;           ///< of a cell, in voxel lengths
+  CellHash cells_;
   float reach_ = 0;                  ///< no box in a slot has a longer half side
   std::vector<std::uint32_t> head_;  ///< a slot of the table: its first entry or kNone
   std::vector<Entry> entries_;
