@@ -14,6 +14,7 @@
 #include "stages/patch_rules.h"
 #include "types/box.h"
 #include "types/mesh_vertex.h"
+#include "types/segment.h"
 
 namespace vasamesh {
 
@@ -39,12 +40,6 @@ struct Foot {
   float squared = 0;  ///< distance
 };
 
-/// The nearest point of the segment from a to b: the weight of b.
-float along_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
-  const float length = squared_norm(b - a);
-  return length > 0 ? std::clamp(dot(p - a, b - a) / length, 0.0f, 1.0f) : 0.0f;
-}
-
 /// Inside the prism over the triangle the foot of the perpendicular, elsewhere on its border.
 Foot foot_on(const Vec3& p, const std::array<Vec3, 3>& corner) {
   Foot foot;
@@ -64,7 +59,7 @@ Foot foot_on(const Vec3& p, const std::array<Vec3, 3>& corner) {
   foot.squared = -1;
   for (std::size_t i = 0; i < 3; ++i) {
     const Vec3 &a = corner[i], &b = corner[(i + 1) % 3];
-    const float s = along_segment(p, a, b);
+    const float s = nearest_along(p - a, b - a);
     const float squared = squared_norm((a + s * (b - a)) - p);
     if (foot.squared >= 0 && squared >= foot.squared) continue;
     foot.squared = squared;

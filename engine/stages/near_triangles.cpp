@@ -16,8 +16,8 @@ constexpr float kLeastReach = 0.05f;  // of what rounding leaves certain, voxel 
 /// trusted.
 constexpr float kNeedle = 1e-5f;
 
-/// Squared distance from a point to the segment from `a` along `ab`, where `ap` leads from a to p.
-float squared_to_segment(const Vec3& ap, const Vec3& ab) {
+/// As squared_to_segment() of types/segment.h, without a branch; `ap` leads from a to p.
+float squared_to_side(const Vec3& ap, const Vec3& ab) {
   const float length = squared_norm(ab);
   const float s = least(most(dot(ap, ab), 0.0f), length) / most(length, 1e-30f);
   return squared_norm(ap - s * ab);
@@ -27,8 +27,8 @@ float squared_to_segment(const Vec3& ap, const Vec3& ab) {
 /// needle, else to its sides.
 float squared_distance(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 ab = b - a, bc = c - b, ca = a - c, ap = p - a, bp = p - b, cp = p - c;
-  const float to_sides = least(least(squared_to_segment(ap, ab), squared_to_segment(bp, bc)),
-                               squared_to_segment(cp, ca));
+  const float to_sides =
+      least(least(squared_to_side(ap, ab), squared_to_side(bp, bc)), squared_to_side(cp, ca));
   const Vec3 n = cross(ab, bc);
   const float area = squared_norm(n), height = dot(n, ap);
   const float inside =
