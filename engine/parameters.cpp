@@ -37,9 +37,9 @@ void validate(const EdgeLengths& e) {
     out_of_range("--chord-error", "0.001 to 1 voxel (0: by rho)");
   if (e.triangles < 0 || e.triangles > kMostTriangles)
     out_of_range("--triangles", "how many are wanted, up to 1,000,000,000 (0: by rho)");
-  if (!within(e.edge_min, kLeastEdge, kLongestEdge))
+  if (!within(e.edge_min, kShortestAsked, kLongestAsked))
     out_of_range("--edge-min", "0.1 to 100 voxels");
-  if (!within(e.edge_max, kLeastEdge, kLongestEdge))
+  if (!within(e.edge_max, kShortestAsked, kLongestAsked))
     out_of_range("--edge-max", "0.1 to 100 voxels");
   if (e.edge_min > e.edge_max)
     throw Error(ErrorCode::usage, "--edge-min " + number(e.edge_min, EdgeLengths{}.edge_min) +

@@ -29,7 +29,7 @@
 namespace vasamesh {
 
 /// Edge lengths that may be asked for, or that a number of triangles may need, in voxel lengths.
-inline constexpr double kLeastEdge = 0.1, kLongestEdge = 100;
+inline constexpr double kShortestAsked = 0.1, kLongestAsked = 100;
 
 /// What is to be done with a surface.
 enum class Verdict {

@@ -1,4 +1,4 @@
-#include "stages/curvature.h"
+#include "stages/angle_defects.h"
 
 #include <algorithm>
 #include <array>
@@ -18,7 +18,7 @@ namespace vasamesh {
 namespace {
 
 constexpr double kTwoPi = 2 * std::numbers::pi;
-constexpr float kCell = kCurvatureCube / 2;
+constexpr float kCell = kAngleDefectCube / 2;
 constexpr std::size_t kGrain = 8192;  // triangles a task takes
 
 using Cell = std::array<int, 3>;  // of the grid
@@ -99,8 +99,8 @@ std::vector<Cube> cubes_of(const Sums& sums) {
 
 }  // namespace
 
-std::vector<Vec3> curvature_differences(Backend& backend, const TriangleMesh& a,
-                                        const TriangleMesh& b) {
+std::vector<Vec3> angle_defect_differences(Backend& backend, const TriangleMesh& a,
+                                           const TriangleMesh& b) {
   Sums sums;
   add(backend, a, 1, sums);
   add(backend, b, -1, sums);
