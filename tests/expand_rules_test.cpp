@@ -16,6 +16,7 @@
 #include "support/backend_test.h"
 #include "support/host_backend.h"
 #include "types/angles.h"
+#include "types/segment.h"
 
 namespace vasamesh::test {
 namespace {
@@ -180,8 +181,8 @@ TEST_P(ExpandRules, TriangleChecks) {
   EXPECT_TRUE(faces_outward(t, {up, up, up}));
   EXPECT_FALSE(faces_outward(t, {up, up, aside}));
   EXPECT_FALSE(faces_outward({t[0], t[2], t[1]}, {up, up, up}));
-  EXPECT_FLOAT_EQ(squared_distance({3, 1, 0}, t[0], t[1]), 2);
-  EXPECT_FLOAT_EQ(squared_distance({1, 1, 1}, t[0], t[1]), 2);
+  EXPECT_FLOAT_EQ(squared_to_segment({3, 1, 0}, t[0], t[1]), 2);
+  EXPECT_FLOAT_EQ(squared_to_segment({1, 1, 1}, t[0], t[1]), 2);
 }
 
 TEST_P(ExpandRules, EdgesThroughTriangles) {

@@ -12,7 +12,9 @@
 #include "stages/patch_clearance.h"
 #include "stages/patch_passes.h"
 #include "stages/patch_rules.h"
+#include "types/box.h"
 #include "types/mesh_vertex.h"
+#include "types/segment.h"
 
 namespace vasamesh {
 
@@ -38,12 +40,6 @@ struct Foot {
   float squared = 0;  ///< distance
 };
 
-/// The nearest point of the segment from a to b: the weight of b.
-float along_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
-  const float length = squared_norm(b - a);
-  return length > 0 ? std::clamp(dot(p - a, b - a) / length, 0.0f, 1.0f) : 0.0f;
-}
-
 /// Inside the prism over the triangle the foot of the perpendicular, elsewhere on its border.
 Foot foot_on(const Vec3& p, const std::array<Vec3, 3>& corner) {
   Foot foot;
@@ -63,7 +59,7 @@ Foot foot_on(const Vec3& p, const std::array<Vec3, 3>& corner) {
   foot.squared = -1;
   for (std::size_t i = 0; i < 3; ++i) {
     const Vec3 &a = corner[i], &b = corner[(i + 1) % 3];
-    const float s = along_segment(p, a, b);
+    const float s = nearest_along(p - a, b - a);
     const float squared = squared_norm((a + s * (b - a)) - p);
     if (foot.squared >= 0 && squared >= foot.squared) continue;
     foot.squared = squared;
@@ -204,29 +200,18 @@ std::vector<FarPoint> far_points(Backend& backend, std::span<const Vec3> points,
   return found;
 }
 
-/// The box round a part.
-struct Extent {
-  Vec3 low, high;
-
-  explicit Extent(const PatchMesh& part) : low(part.points[0].position), high(low) {
-    for (const SurfacePoint& point : part.points) {
-      const Vec3& p = point.position;
-      low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-      high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-    }
-  }
-  bool is_within(const Vec3& p, float d) const {
-    return p.x >= low.x - d && p.x <= high.x + d && p.y >= low.y - d && p.y <= high.y + d &&
-           p.z >= low.z - d && p.z <= high.z + d;
-  }
-};
+Box box_round(const PatchMesh& part) {
+  Box box;
+  for (const SurfacePoint& point : part.points) box.take_in(point.position);
+  return box;
+}
 
 /// The points within reach of the part.
 std::vector<FarPoint> points_of(const std::vector<FarPoint>& points, const PatchMesh& part) {
-  const Extent extent(part);
+  const Box box = box_round(part);
   std::vector<FarPoint> found;
   for (const FarPoint& point : points)
-    if (extent.is_within(point.position, point.distance)) found.push_back(point);
+    if (box.holds(point.position, point.distance)) found.push_back(point);
   return found;
 }
 
@@ -313,10 +298,10 @@ TriangleMesh bring_back(Backend& backend, const FieldView& field, const SizeView
     WorkingSurface surface = make_working_surface(backend, goal, mesh);
     for_each_block(backend, {block_side(sizes), 0.3f * static_cast<float>(round)}, surface,
                    [&](PatchMesh& part) {
-                     const Extent extent(part);
+                     const Box box = box_round(part);
                      std::optional<Approach> work;
                      for (const StrayVertex& stray : strays) {
-                       if (!extent.is_within(stray.from, 0)) continue;
+                       if (!box.holds(stray.from)) continue;
                        if (!work) work.emplace(part, goal, farthest, least);
                        work->draw_vertex(stray.from, stray.to);
                      }

@@ -7,6 +7,7 @@
 
 #include "backend/ranges.h"
 #include "types/angles.h"
+#include "types/box.h"
 
 namespace vasamesh {
 
@@ -19,20 +20,6 @@ constexpr std::uint32_t kMostStarts = 1024;  // corners of a long loop from whic
 constexpr std::uint32_t kMostEnds = 4096;    // and to which
 
 using Loop = std::vector<std::uint32_t>;
-
-struct Extent {
-  Vec3 low{1e30f, 1e30f, 1e30f}, high{-1e30f, -1e30f, -1e30f};
-
-  void add(const Vec3& p) {
-    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-  }
-  bool is_within(float reach, const Extent& other) const {
-    return low.x - reach <= other.high.x && other.low.x - reach <= high.x &&
-           low.y - reach <= other.high.y && other.low.y - reach <= high.y &&
-           low.z - reach <= other.high.z && other.low.z - reach <= high.z;
-  }
-};
 
 /// From the edge at corner i of a loop to the edge at corner j of loop `other`.
 struct BridgeTrial {
@@ -60,7 +47,7 @@ class Bridger {
         rules_(rules),
         rim_(rim),
         loops_(loops.count()),
-        extents_(loops.count()),
+        boxes_(loops.count()),
         turnings_(std::move(turnings)) {
     for (std::size_t l = 0; l < loops.count(); ++l) {
       loops_[l].assign(loops[l].begin(), loops[l].end());
@@ -103,8 +90,8 @@ class Bridger {
   static std::uint32_t next(const Loop& loop, std::size_t i) { return loop[(i + 1) % loop.size()]; }
 
   void measure(std::size_t l) {
-    extents_[l] = {};
-    for (std::uint32_t v : loops_[l]) extents_[l].add(at(v));
+    boxes_[l] = {};
+    for (std::uint32_t v : loops_[l]) boxes_[l].take_in(at(v));
   }
 
   float turning_of(std::size_t l) const {
@@ -128,8 +115,7 @@ class Bridger {
     const float reach = kBridgeReach * longest_edge(loop);
     std::vector<BridgeTrial> trials;
     for (std::uint32_t other = 0; other < loops_.size(); ++other) {
-      if (other == l || loops_[other].empty() || !extents_[l].is_within(reach, extents_[other]))
-        continue;
+      if (other == l || loops_[other].empty() || !boxes_[l].meets(boxes_[other], reach)) continue;
       for (std::uint32_t i = 0; i < loop.size(); ++i)
         for (std::uint32_t j = 0; j < loops_[other].size(); ++j) {
           const float there = squared_norm(at(loops_[other][j]) - at(next(loop, i)));
@@ -186,12 +172,12 @@ class Bridger {
   }
 
   bool crosses_a_loop(std::uint32_t a, std::uint32_t b) const {
-    Extent extent;
-    extent.add(at(a));
-    extent.add(at(b));
+    Box box;
+    box.take_in(at(a));
+    box.take_in(at(b));
     const float reach = 0.5f * norm(at(b) - at(a));
     for (std::size_t l = 0; l < loops_.size(); ++l) {
-      if (loops_[l].empty() || !extent.is_within(reach, extents_[l])) continue;
+      if (loops_[l].empty() || !box.meets(boxes_[l], reach)) continue;
       for (std::size_t i = 0; i < loops_[l].size(); ++i)
         if (crosses(a, b, loops_[l][i], next(loops_[l], i))) return true;
     }
@@ -260,8 +246,7 @@ class Bridger {
     const Vec3 here = at(loop[i]), x = at(next(loop, i)) - here, y = cross(rim_.normal(loop[i]), x);
     const auto angle = [&](std::uint32_t v) {
       const Vec3 to = at(v) - here;
-      const float a = angle_of(dot(x, to), dot(y, to));
-      return a < 0 ? a + 2 * 3.14159265f : a;
+      return positive_angle(dot(x, to), dot(y, to));
     };
     const float of_vertex = angle(vertex);
     return of_vertex > 0 && of_vertex < angle(loop[(i + loop.size() - 1) % loop.size()]);
@@ -276,7 +261,7 @@ class Bridger {
     loops_[l].assign(whole.begin() + i, whole.begin() + j + 1);
     measure(l);
     loops_.insert(loops_.begin() + l + 1, std::move(rest));
-    extents_.insert(extents_.begin() + l + 1, Extent{});
+    boxes_.insert(boxes_.begin() + l + 1, Box{});
     measure(l + 1);
     turnings_[l] = turning_of(l);
     turnings_.insert(turnings_.begin() + l + 1, turning_of(l + 1));
@@ -287,7 +272,7 @@ class Bridger {
   const GapRules rules_;
   GapRim& rim_;
   std::vector<Loop> loops_;  ///< empty once joined to another
-  std::vector<Extent> extents_;
+  std::vector<Box> boxes_;
   std::vector<float> turnings_;
   BridgedLoops result_;
 };

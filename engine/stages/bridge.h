@@ -11,12 +11,13 @@
 #include "stages/gap_loops.h"
 #include "stages/gap_rim.h"
 #include "stages/gap_rules.h"
+#include "types/angles.h"
 #include "vasamesh/types.h"
 
 namespace vasamesh {
 
 /// A loop that turns by less than this (radians) does not go round a disc.
-inline constexpr float kLeastTurning = 0.9f * 3.14159265f;
+inline constexpr float kLeastTurning = 0.9f * kPi;
 
 /// Loops of more corners are split.
 inline constexpr std::size_t kLongLoop = 128;

@@ -31,15 +31,23 @@ struct CompassPlaces {
   Vec3 operator[](std::size_t i) const { return {x[i], y[i], z[i]}; }
 };
 
-// Of values, not references: loops of these become vectors.
-inline float least(float a, float b) { return b < a ? b : a; }
-inline float most(float a, float b) { return a < b ? b : a; }
-
-/// Two unit vectors across a unit normal.
+/// Two unit vectors across a unit normal; not any_tangent() and what is across it.
 inline std::array<Vec3, 2> tangents(const Vec3& normal) {
   const Vec3 axis = normal.x * normal.x < 0.5f ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
   const Vec3 u = normalised(cross(normal, axis));
   return {u, cross(normal, u)};
+}
+
+/// Six unit vectors across a unit normal, each 60 degrees from the one before.
+inline std::array<Vec3, 6> hexagon_across(const Vec3& normal) {
+  constexpr float kHalf = 0.5f, kSine = 0.8660254f;
+  constexpr float kDirections[6][2] = {{1, 0},  {kHalf, kSine},   {-kHalf, kSine},
+                                       {-1, 0}, {-kHalf, -kSine}, {kHalf, -kSine}};
+  const Vec3 u = any_tangent(normal), v = cross(normal, u);
+  std::array<Vec3, 6> directions;
+  for (std::size_t i = 0; i < directions.size(); ++i)
+    directions[i] = kDirections[i][0] * u + kDirections[i][1] * v;
+  return directions;
 }
 
 /// The places in all directions at a distance from a point.

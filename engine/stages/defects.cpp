@@ -6,7 +6,7 @@
 #include <span>
 
 #include "backend/ranges.h"
-#include "stages/curvature.h"
+#include "stages/angle_defects.h"
 #include "stages/distance.h"
 #include "stages/intersect.h"
 #include "stages/places.h"
@@ -64,7 +64,7 @@ std::vector<std::uint32_t> bad_edges(Backend& backend, const TriangleMesh& mesh)
 
 bool is_in_cube(const Vec3& middle, const Vec3& p) {
   const Vec3 off = p - middle;
-  return std::max({std::fabs(off.x), std::fabs(off.y), std::fabs(off.z)}) <= kCurvatureCube / 2;
+  return std::max({std::fabs(off.x), std::fabs(off.y), std::fabs(off.z)}) <= kAngleDefectCube / 2;
 }
 
 /// Appends the vertices of `from` in the cube that are farthest from the other surface, or half as
@@ -100,7 +100,7 @@ std::vector<Vec3> find_defects(Backend& backend, const TriangleMesh& base,
       found.push_back(place.centre);
   }
   if (!found.empty()) return found;
-  for (const Vec3& middle : curvature_differences(backend, base, mesh)) {
+  for (const Vec3& middle : angle_defect_differences(backend, base, mesh)) {
     add_farthest(backend, middle, base, mesh, tree, found);
     add_farthest(backend, middle, mesh, base, base_tree, found);
   }

@@ -19,8 +19,8 @@ namespace vasamesh {
 bool has_topology_of(Backend& backend, const TriangleMesh& base, const TriangleMesh& mesh);
 
 /// Where the mesh is open, has an edge of several triangles or meets itself. Where none of these
-/// explains its topology, where its curvature is not the base surface's (curvature.h): of such a
-/// cube the vertices of either surface that are farthest from the other.
+/// explains its topology, where its angle defects are not the base surface's (angle_defects.h): of
+/// such a cube the vertices of either surface that are farthest from the other.
 /// \param meets_itself  whether to look for triangles that meet.
 /// \param base_tree  of the base surface's triangles; both surfaces in voxel lengths.
 std::vector<Vec3> find_defects(Backend& backend, const TriangleMesh& base,

@@ -9,6 +9,7 @@
 #include "backend/ranges.h"
 #include "stages/triangle_tree.h"
 #include "types/mesh_vertex.h"
+#include "types/segment.h"
 #include "types/vec3d.h"
 #include "vasamesh/errors.h"
 
@@ -28,14 +29,6 @@ Vec3d vertex(const TriangleMesh& mesh, std::size_t v) { return widened(vertex_at
 Triangle triangle(const TriangleMesh& mesh, std::size_t t) {
   const std::uint32_t* v = mesh.triangles.data() + 3 * t;
   return {vertex(mesh, v[0]), vertex(mesh, v[1]), vertex(mesh, v[2])};
-}
-
-double squared_to_segment(const Vec3d& p, const Vec3d& a, const Vec3d& b) {
-  const Vec3d ab = b - a, ap = p - a;
-  const double length = dot(ab, ab);
-  const double s = length > 0 ? std::clamp(dot(ap, ab) / length, 0.0, 1.0) : 0;
-  const Vec3d off = ap - s * ab;
-  return dot(off, off);
 }
 
 /// Inside the prism over the triangle the distance to its plane, elsewhere that to its border.

@@ -62,11 +62,4 @@ bool edge_crosses(const BoundaryEdge& edge, const Triangle& t) {
   return from < to;
 }
 
-float squared_distance(const Vec3& p, const Vec3& a, const Vec3& b) {
-  const Vec3 along = b - a;
-  const float length = squared_norm(along);
-  const float at = length > 0 ? std::clamp(dot(p - a, along) / length, 0.0f, 1.0f) : 0.0f;
-  return squared_norm(p - a - at * along);
-}
-
 }  // namespace vasamesh

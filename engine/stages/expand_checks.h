@@ -34,7 +34,4 @@ bool edge_on_surface(const FieldView& field, const Vec3& a, const Vec3& b, float
 /// an edge does not count.
 bool edge_crosses(const BoundaryEdge& edge, const Triangle& t);
 
-/// The square of a point's distance to a segment.
-float squared_distance(const Vec3& p, const Vec3& a, const Vec3& b);
-
 }  // namespace vasamesh

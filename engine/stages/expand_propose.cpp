@@ -8,6 +8,7 @@
 #include "stages/expand_front.h"
 #include "stages/expand_place.h"
 #include "stages/expand_rules.h"
+#include "types/segment.h"
 
 namespace vasamesh {
 
@@ -198,12 +199,13 @@ bool Proposer::too_near(const BoundaryEdge& edge, const Proposal& placed,
   if (!(dot(edge.normal, up_) > kSameSheet)) return false;
   const float least = kNarrow * std::max(longest, norm(edge.end - edge.start));
   for (std::size_t i = 0; i < placed.vertices; ++i)
-    if (squared_distance(placed.position[i], edge.start, edge.end) < least * least) return true;
+    if (squared_to_segment(placed.position[i], edge.start, edge.end) < least * least) return true;
   if (edge.start == at(next_) || edge.start == at(previous_) || edge.start == here_) return false;
   const bool after = edge.corner == next_of(next_);
   const bool before = edge.corner == previous_of(previous_);
   for (std::size_t i = after ? 1 : 0; i < triangles.size() - (before ? 1 : 0); ++i)
-    if (squared_distance(edge.start, triangles[i][1], triangles[i][2]) < least * least) return true;
+    if (squared_to_segment(edge.start, triangles[i][1], triangles[i][2]) < least * least)
+      return true;
   return false;
 }
 

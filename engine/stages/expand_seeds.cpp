@@ -6,6 +6,7 @@
 #include <iterator>
 
 #include "backend/ranges.h"
+#include "stages/compass.h"
 #include "stages/expand_checks.h"
 #include "stages/expand_place.h"
 #include "stages/expand_rules.h"
@@ -70,14 +71,10 @@ struct Hexagon {
 };
 
 Hexagon make_hexagon(const FieldView& field, const Vec3& p, const Vec3& normal, float edge) {
-  constexpr float kHalf = 0.5f, kSine = 0.8660254f;
-  constexpr float kDirections[6][2] = {{1, 0},  {kHalf, kSine},   {-kHalf, kSine},
-                                       {-1, 0}, {-kHalf, -kSine}, {kHalf, -kSine}};
-  const Vec3 u = any_tangent(normal), v = cross(normal, u);
+  const std::array<Vec3, 6> directions = hexagon_across(normal);
   Hexagon hexagon;
   for (std::size_t i = 0; i < 6; ++i) {
-    if (!place_on_surface(field, p, kDirections[i][0] * u + kDirections[i][1] * v, edge,
-                          hexagon.position[i], hexagon.normal[i]))
+    if (!place_on_surface(field, p, directions[i], edge, hexagon.position[i], hexagon.normal[i]))
       return hexagon;
   }
   for (std::size_t i = 0; i < 6; ++i) {

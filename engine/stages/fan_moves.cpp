@@ -5,6 +5,7 @@
 
 #include "stages/compass.h"
 #include "stages/patch_rules.h"
+#include "types/least_most.h"
 
 namespace vasamesh {
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 
+#include "types/least_most.h"
 #include "types/mesh_vertex.h"
 
 namespace vasamesh {
@@ -15,14 +16,10 @@ constexpr float kLeastReach = 0.05f;  // of what rounding leaves certain, voxel 
 /// trusted.
 constexpr float kNeedle = 1e-5f;
 
-/// By value: with references compilers branch.
-float lesser(float a, float b) { return a < b ? a : b; }
-float greater(float a, float b) { return a > b ? a : b; }
-
-/// Squared distance from a point to the segment from `a` along `ab`, where `ap` leads from a to p.
-float squared_to_segment(const Vec3& ap, const Vec3& ab) {
+/// As squared_to_segment() of types/segment.h, without a branch; `ap` leads from a to p.
+float squared_to_side(const Vec3& ap, const Vec3& ab) {
   const float length = squared_norm(ab);
-  const float s = lesser(greater(dot(ap, ab), 0.0f), length) / greater(length, 1e-30f);
+  const float s = least(most(dot(ap, ab), 0.0f), length) / most(length, 1e-30f);
   return squared_norm(ap - s * ab);
 }
 
@@ -30,38 +27,30 @@ float squared_to_segment(const Vec3& ap, const Vec3& ab) {
 /// needle, else to its sides.
 float squared_distance(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 ab = b - a, bc = c - b, ca = a - c, ap = p - a, bp = p - b, cp = p - c;
-  const float to_sides = lesser(lesser(squared_to_segment(ap, ab), squared_to_segment(bp, bc)),
-                                squared_to_segment(cp, ca));
+  const float to_sides =
+      least(least(squared_to_side(ap, ab), squared_to_side(bp, bc)), squared_to_side(cp, ca));
   const Vec3 n = cross(ab, bc);
   const float area = squared_norm(n), height = dot(n, ap);
   const float inside =
-      lesser(lesser(dot(cross(n, ab), ap), dot(cross(n, bc), bp)), dot(cross(n, ca), cp));
+      least(least(dot(cross(n, ab), ap), dot(cross(n, bc), bp)), dot(cross(n, ca), cp));
   const float sides = (squared_norm(ab) + squared_norm(bc)) + squared_norm(ca);
   const float to_plane = area > kNeedle * (sides * sides) ? height * height / area : to_sides;
-  return inside >= 0 ? lesser(to_plane, to_sides) : to_sides;
-}
-
-Box box_round(std::span<const Vec3> points, float margin) {
-  Vec3 low = points[0], high = low;
-  for (const Vec3& p : points) {
-    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-  }
-  return {{low.x - margin, low.y - margin, low.z - margin},
-          {high.x + margin, high.y + margin, high.z + margin}};
+  return inside >= 0 ? least(to_plane, to_sides) : to_sides;
 }
 
 }  // namespace
 
 void NearTriangles::take_up(std::span<const Vec3> points) {
-  take_up(box_round(points, limit_), points[0]);
+  Box box;
+  for (const Vec3& p : points) box.take_in(p);
+  take_up(box.widened(limit_), points[0]);
 }
 
 bool NearTriangles::hold_ball(const Vec3& middle, float radius) {
   const float reach = limit_ - radius;
   if (reach < kLeastReach) return false;
   if (within(middle, reach)) return true;
-  take_up(box_round(std::span(&middle, 1), reach), middle);
+  take_up(Box{middle, middle}.widened(reach), middle);
   return within(middle, reach) != 0;
 }
 

@@ -30,7 +30,7 @@ inline constexpr float kSteeringSigma = 1.25f;
 inline constexpr float kGradientSigma = 1.5f;
 
 /// Least cosine between the gradients of two points of one sheet.
-inline constexpr float kSameSheet = 0.5f;
+inline constexpr float kSameSheetGradients = 0.5f;
 
 /// tau, in squared voxel lengths: about what ten neighbours spread along the surface.
 inline constexpr float kTangentWeight = 0.8f;

@@ -8,6 +8,7 @@
 #include "backend/in_steps.h"
 #include "backend/ranges.h"
 #include "stages/mesh_parts.h"
+#include "types/box.h"
 #include "types/mesh_vertex.h"
 #include "vasamesh/errors.h"
 
@@ -29,17 +30,11 @@ class Cells {
  public:
   Cells(const Backend& backend, const std::vector<SurfacePoint>& points, const BlockGrid& grid)
       : inverse_(1 / grid.side) {
-    Vec3 low = points[0].position, high = low;
-    in_steps(backend, points.size(), [&](std::size_t v) {
-      const SurfacePoint& p = points[v];
-      low = {std::min(low.x, p.position.x), std::min(low.y, p.position.y),
-             std::min(low.z, p.position.z)};
-      high = {std::max(high.x, p.position.x), std::max(high.y, p.position.y),
-              std::max(high.z, p.position.z)};
-    });
+    Box box;
+    in_steps(backend, points.size(), [&](std::size_t v) { box.take_in(points[v].position); });
     const float back = (1 - grid.shift) * grid.side;
-    origin_ = low - Vec3{back, back, back};
-    const Vec3 extent = inverse_ * (high - origin_);
+    origin_ = box.low - Vec3{back, back, back};
+    const Vec3 extent = inverse_ * (box.high - origin_);
     size_ = {static_cast<std::size_t>(extent.x) + 1, static_cast<std::size_t>(extent.y) + 1,
              static_cast<std::size_t>(extent.z) + 1};
   }

@@ -1,7 +1,6 @@
 #include "stages/patch_clearance.h"
 
 #include <algorithm>
-#include <bit>
 
 #include "stages/intersect.h"
 
@@ -28,22 +27,17 @@ bool meet(const PatchMesh& mesh, const Clearance::Corners& a, const Clearance::C
   return triangles_intersect(named(a, at), named(b, at + 3));
 }
 
+Box box_round(const PatchMesh& mesh, const Clearance::Corners& t) {
+  Box box = {place(mesh, t[0]), place(mesh, t[0])};
+  box.take_in(place(mesh, t[1]));
+  box.take_in(place(mesh, t[2]));
+  return box;
+}
+
+/// Of the box's longest side.
+float half_side(const Box& box) { return 0.5f * box.longest_side(); }
+
 }  // namespace
-
-Clearance::Box::Box(const PatchMesh& mesh, const Corners& t) : low(place(mesh, t[0])), high(low) {
-  take_in(place(mesh, t[1]));
-  take_in(place(mesh, t[2]));
-}
-
-std::uint32_t Clearance::slot_of(std::uint32_t x, std::uint32_t y, std::uint32_t z) const {
-  return (x * 73856093u ^ y * 19349663u ^ z * 83492791u) &
-         static_cast<std::uint32_t>(head_.size() - 1);
-}
-
-/// Positions are not negative.
-std::uint32_t Clearance::cell_of(float x) const {
-  return static_cast<std::uint32_t>(inverse_side_ * std::max(x, 0.0f));
-}
 
 /// Takes up the triangles of the half-edges h, the first of each, for which wanted(h) says so.
 template <class Wanted>
@@ -54,10 +48,11 @@ void Clearance::take_up_all(const PatchMesh& mesh, const Wanted& wanted) {
     mesh.take_turn();
     if (!mesh.is_edge(h) || !wanted(h)) continue;
     chosen.push_back(h);
-    sum += Box(mesh, mesh.corners(h)).half_side();
+    sum += half_side(box_round(mesh, mesh.corners(h)));
   }
-  if (sum > 0) inverse_side_ = static_cast<float>(chosen.size()) / (kSide * sum);
-  head_.assign(std::bit_ceil(chosen.size() + 1), PatchMesh::kNone);
+  const float inverse_side = sum > 0 ? static_cast<float>(chosen.size()) / (kSide * sum) : 1.0f;
+  cells_ = CellHash(inverse_side, chosen.size());
+  head_.assign(cells_.slots(), PatchMesh::kNone);
   entries_.reserve(chosen.size());
   faces_.resize(mesh.half_edge_end() / 4);
   for (const std::uint32_t h : chosen) {
@@ -78,16 +73,14 @@ Clearance::Clearance(const PatchMesh& mesh, std::span<const std::uint8_t> wanted
 
 void Clearance::take_up(const PatchMesh& mesh, std::uint32_t h) {
   const std::uint32_t index = h / 4;
-  const Box box(mesh, mesh.corners(4 * index));
+  const Box box = box_round(mesh, mesh.corners(4 * index));
   shells_.take_up(mesh, h);
   if (index >= faces_.size()) faces_.resize(mesh.half_edge_end() / 4);
   Face& face = faces_[index];
   face.box = box;
-  const bool large = box.half_side() * inverse_side_ > 1;
-  const Vec3 middle = box.middle();
-  const std::uint32_t slot =
-      large ? kAmongLarge : slot_of(cell_of(middle.x), cell_of(middle.y), cell_of(middle.z));
-  if (!large) reach_ = std::max(reach_, kSlack * box.half_side());
+  const bool large = half_side(box) * cells_.inverse_side() > 1;
+  const std::uint32_t slot = large ? kAmongLarge : cells_.slot_of(box.middle());
+  if (!large) reach_ = std::max(reach_, kSlack * half_side(box));
   if (face.slot == slot) return;
   face.slot = slot;
   if (large) return large_.push_back(index);
@@ -111,21 +104,17 @@ void Clearance::find_candidates(const PatchMesh& mesh, std::span<const std::uint
   ++stamp_;
   for (std::uint32_t h : gone)
     if (h / 4 < faces_.size()) faces_[h / 4].seen = stamp_;
-  const Vec3 reach = {reach_, reach_, reach_}, low = around.low - reach, high = around.high + reach;
-  for (std::uint32_t z = cell_of(low.z); z <= cell_of(high.z); ++z)
-    for (std::uint32_t y = cell_of(low.y); y <= cell_of(high.y); ++y)
-      for (std::uint32_t x = cell_of(low.x); x <= cell_of(high.x); ++x) {
-        const std::uint32_t slot = slot_of(x, y, z);
-        for (std::uint32_t* link = &head_[slot]; *link != PatchMesh::kNone;) {
-          Entry& entry = entries_[*link];
-          if (faces_[entry.face].slot != slot) {
-            *link = entry.next;
-            continue;
-          }
-          consider(mesh, entry.face, around);
-          link = &entry.next;
-        }
+  cells_.for_each_slot(around.widened(reach_), [&](std::uint32_t slot) {
+    for (std::uint32_t* link = &head_[slot]; *link != PatchMesh::kNone;) {
+      Entry& entry = entries_[*link];
+      if (faces_[entry.face].slot != slot) {
+        *link = entry.next;
+        continue;
       }
+      consider(mesh, entry.face, around);
+      link = &entry.next;
+    }
+  });
   for (const std::uint32_t index : large_) consider(mesh, index, around);
 }
 
@@ -134,14 +123,14 @@ bool Clearance::is_clear(const PatchMesh& mesh, std::span<const std::uint32_t> g
   mesh.take_turn();
   if (made.empty()) return true;
   if (!shells_.keep_volume(mesh, gone, made)) return false;
-  Box around(mesh, made[0]);
+  Box around = box_round(mesh, made[0]);
   for (const Corners& t : made)
     for (const std::uint32_t v : t) around.take_in(place(mesh, v));
   find_candidates(mesh, gone, around);
   for (std::size_t i = 0; i < made.size(); ++i) {
-    const Box box(mesh, made[i]);
+    const Box box = box_round(mesh, made[i]);
     for (std::size_t j = 0; j < i; ++j)
-      if (box.meets(Box(mesh, made[j])) && meet(mesh, made[i], made[j])) return false;
+      if (box.meets(box_round(mesh, made[j])) && meet(mesh, made[i], made[j])) return false;
     for (const Candidate& other : candidates_)
       if (box.meets(other.box) && meet(mesh, made[i], other.corners)) return false;
   }

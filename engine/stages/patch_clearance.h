@@ -5,17 +5,15 @@
 /// its triangles' middles finds the candidates (few large ones are always looked at), exact
 /// predicates decide (stages/intersect.h). And whether they would turn a small shell inside out
 /// (stages/small_shells.h).
-///
-/// Teschner, Heidelberger, Mueller, Pomerantes, Gross: Optimized spatial hashing for collision
-/// detection of deformable objects, 2003.
 
-#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 #include "stages/patch_mesh.h"
 #include "stages/small_shells.h"
+#include "types/box.h"
+#include "types/cell_hash.h"
 
 namespace vasamesh {
 
@@ -47,26 +45,6 @@ class Clearance {
  private:
   template <class Wanted>
   void take_up_all(const PatchMesh& mesh, const Wanted& wanted);
-  struct Box {
-    Vec3 low, high;
-
-    Box() = default;
-    Box(const PatchMesh& mesh, const Corners& triangle);
-    void take_in(const Vec3& p) {
-      low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-      high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-    }
-    bool meets(const Box& other) const {
-      return low.x <= other.high.x && other.low.x <= high.x && low.y <= other.high.y &&
-             other.low.y <= high.y && low.z <= other.high.z && other.low.z <= high.z;
-    }
-    Vec3 middle() const { return 0.5f * (low + high); }
-    /// Half of its longest side.
-    float half_side() const {
-      const Vec3 sides = high - low;
-      return 0.5f * std::max({sides.x, sides.y, sides.z});
-    }
-  };
   struct Entry {
     std::uint32_t face, next;
   };
@@ -81,14 +59,12 @@ class Clearance {
     Box box;
   };
 
-  std::uint32_t slot_of(std::uint32_t x, std::uint32_t y, std::uint32_t z) const;
-  std::uint32_t cell_of(float x) const;
   void find_candidates(const PatchMesh& mesh, std::span<const std::uint32_t> gone,
                        const Box& around);
   void consider(const PatchMesh& mesh, std::uint32_t index, const Box& around);
 
   SmallShells shells_;
-  float inverse_side_ = 1;           ///< of a cell, in voxel lengths
+  CellHash cells_;
   float reach_ = 0;                  ///< no box in a slot has a longer half side
   std::vector<std::uint32_t> head_;  ///< a slot of the table: its first entry or kNone
   std::vector<Entry> entries_;

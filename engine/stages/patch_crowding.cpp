@@ -1,9 +1,8 @@
 #include "stages/patch_crowding.h"
 
 #include <algorithm>
-#include <bit>
 
-#include "types/vec3.h"
+#include "types/cell_hash.h"
 
 namespace vasamesh {
 
@@ -28,13 +27,12 @@ class VertexGrid {
  public:
   VertexGrid(const PatchMesh& mesh, float side)
       : mesh_(mesh),
-        inverse_side_(1 / side),
-        head_(std::bit_ceil(std::size_t{mesh.vertex_count()} + 1), kNone),
+        cells_(1 / side, mesh.vertex_count()),
+        head_(cells_.slots(), kNone),
         next_(mesh.vertex_count(), kNone) {
     for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) {
       if (!mesh.is_there(v)) continue;
-      const Vec3& p = mesh.points[v].position;
-      std::uint32_t& head = head_[slot_of(cell_of(p.x), cell_of(p.y), cell_of(p.z))];
+      std::uint32_t& head = head_[cells_.slot_of(mesh.points[v].position)];
       next_[v] = head;
       head = v;
     }
@@ -43,23 +41,15 @@ class VertexGrid {
   /// visit(w) for all vertices within `reach` of a point, some of them twice.
   template <class Visit>
   void for_each_near(const Vec3& p, float reach, const Visit& visit) const {
-    for (std::uint32_t z = cell_of(p.z - reach); z <= cell_of(p.z + reach); ++z)
-      for (std::uint32_t y = cell_of(p.y - reach); y <= cell_of(p.y + reach); ++y)
-        for (std::uint32_t x = cell_of(p.x - reach); x <= cell_of(p.x + reach); ++x)
-          for (std::uint32_t w = head_[slot_of(x, y, z)]; w != kNone; w = next_[w])
-            if (squared_norm(mesh_.points[w].position - p) <= reach * reach) visit(w);
+    cells_.for_each_slot(Box{p, p}.widened(reach), [&](std::uint32_t slot) {
+      for (std::uint32_t w = head_[slot]; w != kNone; w = next_[w])
+        if (squared_norm(mesh_.points[w].position - p) <= reach * reach) visit(w);
+    });
   }
 
  private:
-  std::uint32_t cell_of(float x) const {
-    return static_cast<std::uint32_t>(inverse_side_ * std::max(x, 0.0f));
-  }
-  std::size_t slot_of(std::uint32_t x, std::uint32_t y, std::uint32_t z) const {
-    return (x * 73856093u ^ y * 19349663u ^ z * 83492791u) & (head_.size() - 1);
-  }
-
   const PatchMesh& mesh_;
-  float inverse_side_;
+  CellHash cells_;
   std::vector<std::uint32_t> head_, next_;
 };
 

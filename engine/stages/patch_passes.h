@@ -33,8 +33,8 @@ struct RemeshGoal {
   }
 };
 
-/// Edges longer than 4/3 of their size are split, shorter than 4/5 collapsed.
-inline constexpr float kLongest = 4.0f / 3.0f, kShortest = 4.0f / 5.0f;
+/// Edges shorter than this times their size are collapsed, those longer than kLongest split.
+inline constexpr float kShortest = 4.0f / 5.0f;
 
 /// Merges vertices into their neighbours along edges shorter than `shortest` times their size,
 /// unless that makes an edge longer than `longest` times its size or breaks a rule.

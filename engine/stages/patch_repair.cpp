@@ -9,6 +9,7 @@
 #include "stages/patch_clearance.h"
 #include "stages/patch_passes.h"
 #include "stages/patch_rules.h"
+#include "types/least_most.h"
 
 namespace vasamesh {
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <numbers>
 #include <span>
 #include <string>
 #include <utility>
@@ -45,9 +46,9 @@ constexpr float kMargin = 1.2f;  // longest edges: the front's room
 constexpr char kOnHost[] = "splits, collapses, flips, repairs, moves near other sheets";
 
 SizeRule rule_of(const EdgeLengths& edges) {
-  constexpr double kTwoPi = 6.283185307179586;
   SizeRule rule;
-  rule.rho = static_cast<float>(edges.edges_around > 0 ? kTwoPi / edges.edges_around : edges.rho);
+  rule.rho = static_cast<float>(edges.edges_around > 0 ? 2 * std::numbers::pi / edges.edges_around
+                                                       : edges.rho);
   rule.chord_error = static_cast<float>(edges.chord_error);
   rule.edge_min = static_cast<float>(edges.edge_min);
   rule.edge_max = static_cast<float>(edges.edge_max);
@@ -236,10 +237,9 @@ void Polygonizer::note(const std::vector<Vec3>& defects, std::span<const float> 
 
 /// Whether the fresh places are some, and a small part of the surface.
 bool Polygonizer::can_be_redone() const {
-  constexpr double kPi = 3.141592653589793;
   const double radius = place_radius();
   const auto fresh = static_cast<double>(places_.size() - first_fresh_);
-  return fresh > 0 && fresh * kPi * radius * radius < kMostRedone * base_area_;
+  return fresh > 0 && fresh * std::numbers::pi * radius * radius < kMostRedone * base_area_;
 }
 
 /// The next surface, after one with defects.

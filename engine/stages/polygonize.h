@@ -123,13 +123,13 @@ class Polygonizer {
   int failures_ = 0;          ///< of the plan
   std::vector<Vec3> astray_;  ///< where the last surface and the segmentation are too far apart
   std::size_t least_astray_ = 0;
-  std::vector<CarefulPlace> places_;  ///< where attempts have failed
-  std::size_t first_fresh_ = 0;       ///< of the places: those of the last attempt follow
-  TriangleMesh last_;                 ///< voxel lengths
-  bool has_topology_ = false;         ///< the last surface has the base surface's, it seems
-  bool settled_ = false;              ///< the last surface is, but in
-  std::optional<std::size_t> work_;   ///< that is left for the settling of the plan's surfaces
-  std::vector<CarefulPlace> changed_;
+  std::vector<CarefulPlace> places_;   ///< where attempts have failed
+  std::size_t first_fresh_ = 0;        ///< of the places: those of the last attempt follow
+  TriangleMesh last_;                  ///< voxel lengths
+  bool has_topology_ = false;          ///< the last surface has the base surface's, it seems
+  bool settled_ = false;               ///< the last surface has settled, but in changed_
+  std::vector<CarefulPlace> changed_;  ///< made again since
+  std::optional<std::size_t> work_;    ///< that is left for the settling of the plan's surfaces
   MeshReport report_;
 };
 

@@ -9,7 +9,7 @@ namespace {
 
 constexpr float kLeastFacing = 0.3f;    // of new triangles, or as little as the old ones had
 constexpr float kGoodMeasure = 0.671f;  // of a least angle of 35 degrees
-constexpr float kShortest = 0.9f;       // edges shorter than this, in sizes, are never split
+constexpr float kLeastSplit = 0.9f;     // edges shorter than this, in sizes, are never split
 constexpr int kSettleRounds = 3;        // of flips and smoothing round a new vertex
 constexpr int kMostImprovements = 8;    // vertices a patch gets for the sake of its angles
 constexpr int kNewtonSteps = 6;
@@ -74,8 +74,8 @@ std::uint32_t PatchRefiner::longest_edge() const {
 std::uint32_t PatchRefiner::longest_edge_of(std::uint32_t triangle) const {
   const auto first = ratio_.begin() + 3 * triangle;
   const auto longest = std::max_element(first, first + 3);
-  return *longest > kShortest * kShortest ? static_cast<std::uint32_t>(longest - ratio_.begin())
-                                          : kNone;
+  return *longest > kLeastSplit * kLeastSplit ? static_cast<std::uint32_t>(longest - ratio_.begin())
+                                              : kNone;
 }
 
 /// Cosine of the largest angle between a triangle's normal and the surface's at its corners.

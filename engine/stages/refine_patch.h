@@ -28,9 +28,6 @@ struct Patch {
 /// Workspace; reused from patch to patch.
 class PatchRefiner {
  public:
-  /// Edges longer than this times the size are split.
-  static constexpr float kLongest = 4.0f / 3.0f;
-
   PatchRefiner(const FieldView& field, const SizeView& sizes) : field_(field), sizes_(sizes) {}
 
   /// Adds vertices where the sizes ask for them, and where one makes the worst triangle better.

@@ -36,7 +36,7 @@ struct Shells {
   std::vector<std::uint32_t> shell_of;  ///< a vertex: its shell, kNone for isolated ones
 };
 
-/// Shells of the triangles with `valid` set, with everything but `nested` and `piece`.
+/// Shells of the triangles with `valid` set, with everything but `nested` and `next`.
 Shells find_shells(Backend& backend, const TriangleMesh& mesh,
                    const std::vector<std::uint8_t>& valid, const ManifoldCounts& manifold);
 

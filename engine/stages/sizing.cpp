@@ -9,7 +9,9 @@
 #include "backend/in_steps.h"
 #include "backend/ranges.h"
 #include "stages/adjacency.h"
+#include "stages/compass.h"
 #include "stages/lower_to.h"
+#include "types/box.h"
 #include "types/mesh_vertex.h"
 
 namespace vasamesh {
@@ -217,18 +219,9 @@ void smooth_radii(Backend& backend, const IndicatorField& field, SurfaceSamples&
 /// Vertices of a shell that follow one another, and the box round them.
 struct ShellRun {
   std::uint32_t shell;
-  Vec3 low, high;
+  Box box;
 
-  void take_in(const ShellRun& other) {
-    low = {std::min(low.x, other.low.x), std::min(low.y, other.low.y),
-           std::min(low.z, other.low.z)};
-    high = {std::max(high.x, other.high.x), std::max(high.y, other.high.y),
-            std::max(high.z, other.high.z)};
-  }
-  float radius() const {
-    const Vec3 side = high - low;
-    return 0.5f * std::max({side.x, side.y, side.z});
-  }
+  float radius() const { return 0.5f * box.longest_side(); }
 };
 
 /// Of each shell (joined by vertices) the box, as one run.
@@ -238,9 +231,9 @@ std::vector<ShellRun> whole_shells(Backend& backend, const TriangleMesh& surface
     for (std::size_t v = begin; v < end; ++v) {
       const Vec3 at = vertex_at(surface, v);
       if (runs.empty() || runs.back().shell != shell[v])
-        runs.push_back({shell[v], at, at});
+        runs.push_back({shell[v], {at, at}});
       else
-        runs.back().take_in({shell[v], at, at});
+        runs.back().box.take_in(at);
     }
   };
   const auto runs = collect<ShellRun>(backend, shell.size(), kVertexGrain, find);
@@ -251,7 +244,7 @@ std::vector<ShellRun> whole_shells(Backend& backend, const TriangleMesh& surface
     if (fresh)
       shells.push_back(runs[i]);
     else
-      shells[found->second].take_in(runs[i]);
+      shells[found->second].box.take_in(runs[i].box);
   });
   return shells;
 }
@@ -327,13 +320,9 @@ float place_factor(std::span<const CarefulPlace> places, const Vec3& p) {
 }  // namespace
 
 float radius_of_curvature(const FieldView& field, const Vec3& p, const Vec3& normal, float ample) {
-  constexpr float kHalf = 0.5f, kSine = 0.8660254f;
-  constexpr float kDirections[6][2] = {{1, 0},  {kHalf, kSine},   {-kHalf, kSine},
-                                       {-1, 0}, {-kHalf, -kSine}, {kHalf, -kSine}};
-  const Vec3 u = any_tangent(normal), v = cross(normal, u);
+  const std::array<Vec3, 6> directions = hexagon_across(normal);
   std::array<Walk, 6> walks;
-  for (std::size_t i = 0; i < walks.size(); ++i)
-    walks[i] = {p, kDirections[i][0] * u + kDirections[i][1] * v};
+  for (std::size_t i = 0; i < walks.size(); ++i) walks[i] = {p, directions[i]};
   float least = 0, far = 0;
   for (const float step : kRings) {
     float here = kLargestRadius * kLargestRadius;

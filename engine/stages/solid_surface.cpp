@@ -11,6 +11,7 @@
 #include "backend/ranges.h"
 #include "types/lattice_access.h"
 #include "types/marching_cube.h"
+#include "types/row_bits.h"
 
 namespace vasamesh {
 
@@ -27,7 +28,7 @@ class FaceNumbers {
         first_(filled_in_steps<std::uint32_t>(backend, state.size / 64 + 1)) {
     for_each_index(backend, words_.size(), kGrain * kWords, [&](std::size_t w) {
       for (std::size_t eight = 0; eight < 8; ++eight)
-        words_[w] |= face_bits(state.data() + 64 * w + 8 * eight) << 8 * eight;
+        words_[w] |= std::uint64_t{face_bits(state.data() + 64 * w + 8 * eight)} << 8 * eight;
     });
     in_steps(backend, words_.size(), [&](std::size_t w) {
       first_[w + 1] = first_[w] + static_cast<std::uint32_t>(std::popcount(words_[w]));
@@ -56,11 +57,10 @@ class FaceNumbers {
 
  private:
   /// Bit i is set where node i of eight is a face centre.
-  static std::uint64_t face_bits(const std::uint8_t* states) {
-    static_assert(kFaceCentre == 1 << 3);
+  static std::uint32_t face_bits(const std::uint8_t* states) {
     std::uint64_t eight;
     std::memcpy(&eight, states, sizeof eight);
-    return ((eight >> 3 & 0x0101010101010101u) * 0x0102040810204080u) >> 56;
+    return gather_bits(eight / kFaceCentre);
   }
 
   std::vector<std::uint64_t> words_;

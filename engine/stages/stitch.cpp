@@ -10,6 +10,7 @@
 #include "stages/gap_rim.h"
 #include "stages/gap_rules.h"
 #include "stages/refine_patch.h"
+#include "types/angles.h"
 
 namespace vasamesh {
 
@@ -17,7 +18,7 @@ namespace {
 
 constexpr float kBridgeCosine = 0.25f;  // of the triangles of bridges, as in GapRules
 // A loop that found no other to join and turns by less (radians) may go round a tube.
-constexpr float kTubeTurning = 0.5f * 3.14159265f;
+constexpr float kTubeTurning = 0.5f * kPi;
 constexpr int kMostRounds = 16;  // of triangulation, while gaps want the same edges
 
 /// A chord that a gap wants: the first in order gets it.

@@ -1,32 +1,22 @@
 #include "stages/triangle_tree.h"
 
 #include <algorithm>
-#include <limits>
 #include <utility>
 
 #include "backend/in_steps.h"
 #include "backend/ranges.h"
+#include "types/mesh_vertex.h"
 
 namespace vasamesh {
 
 namespace {
 
 constexpr std::size_t kGrain = 32768;  // triangles or nodes a task takes
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
-constexpr Box kNothing{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
-
-void extend(Box& box, const float* p) {
-  for (int a = 0; a < 3; ++a) {
-    box.low[a] = std::min(box.low[a], p[a]);
-    box.high[a] = std::max(box.high[a], p[a]);
-  }
-}
 
 Box triangle_box(const TriangleMesh& mesh, std::uint32_t triangle) {
-  Box box = kNothing;
-  for (int i = 0; i < 3; ++i)
-    extend(box,
-           mesh.vertices.data() + 3 * std::size_t{mesh.triangles[3 * std::size_t{triangle} + i]});
+  Box box;
+  for (std::size_t i = 0; i < 3; ++i)
+    box.take_in(vertex_at(mesh, mesh.triangles[3 * std::size_t{triangle} + i]));
   return box;
 }
 
@@ -44,13 +34,12 @@ std::uint32_t spread(std::uint32_t bits) {
 
 /// Place along the Morton curve, 1024 cells along the longest side of `whole`.
 std::uint32_t morton_key(const Box& box, const Box& whole, float scale) {
-  std::uint32_t key = 0;
-  for (int a = 0; a < 3; ++a) {
-    const float centre = 0.5f * box.low[a] + 0.5f * box.high[a];
-    const float cell = std::clamp((centre - whole.low[a]) * scale, 0.0f, 1023.0f);
-    key |= spread(static_cast<std::uint32_t>(cell)) << a;
-  }
-  return key;
+  const Vec3 centre = 0.5f * box.low + 0.5f * box.high;
+  const Vec3 cell = scale * (centre - whole.low);
+  const auto part = [](float x) {
+    return spread(static_cast<std::uint32_t>(std::clamp(x, 0.0f, 1023.0f)));
+  };
+  return part(cell.x) | part(cell.y) << 1 | part(cell.z) << 2;
 }
 
 /// Stable sort by the 30 bits of the keys.
@@ -71,10 +60,8 @@ void sort_by_key(const Backend& backend, std::vector<Keyed>& items) {
 }
 
 void set_box(BoxNode& node, std::size_t i, const Box& box) {
-  for (int a = 0; a < 3; ++a) {
-    node.low[a][i] = box.low[a];
-    node.high[a][i] = box.high[a];
-  }
+  node.low[0][i] = box.low.x, node.low[1][i] = box.low.y, node.low[2][i] = box.low.z;
+  node.high[0][i] = box.high.x, node.high[1][i] = box.high.y, node.high[2][i] = box.high.z;
 }
 
 /// Nodes over `count` boxes, eight each.
@@ -83,7 +70,7 @@ std::vector<BoxNode> make_level(Backend& backend, std::size_t count, const BoxOf
   auto nodes = filled_in_steps<BoxNode>(backend, (count + 7) / 8);
   for_each_index(backend, nodes.size(), kGrain, [&](std::size_t n) {
     for (std::size_t i = 0; i < 8; ++i)
-      set_box(nodes[n], i, 8 * n + i < count ? box(8 * n + i) : kNothing);
+      set_box(nodes[n], i, 8 * n + i < count ? box(8 * n + i) : Box{});
   });
   return nodes;
 }
@@ -96,19 +83,16 @@ std::vector<std::uint32_t> morton_order(Backend& backend, const TriangleMesh& me
     if (keep.empty() || keep[t]) items.push_back({0, static_cast<std::uint32_t>(t)});
   });
   const auto joined = [](Box box, const Box& other) {
-    extend(box, other.low);
-    extend(box, other.high);
+    box.take_in(other);
     return box;
   };
   const auto box_round = [&](std::size_t begin, std::size_t end) {
-    Box box = kNothing;
-    for (std::size_t i = begin; i < end; ++i)
-      box = joined(box, triangle_box(mesh, items[i].triangle));
+    Box box;
+    for (std::size_t i = begin; i < end; ++i) box.take_in(triangle_box(mesh, items[i].triangle));
     return box;
   };
-  const Box whole = reduce_ranges(backend, items.size(), kGrain, kNothing, box_round, joined);
-  float side = 0;
-  for (int a = 0; a < 3; ++a) side = std::max(side, whole.high[a] - whole.low[a]);
+  const Box whole = reduce_ranges(backend, items.size(), kGrain, Box{}, box_round, joined);
+  const float side = whole.longest_side();
   const float scale = side > 0 ? 1024.0f / side : 0.0f;
   for_each_index(backend, items.size(), kGrain, [&](std::size_t i) {
     items[i].key = morton_key(triangle_box(mesh, items[i].triangle), whole, scale);
@@ -138,12 +122,8 @@ TriangleTree tree_over(Backend& backend, const TriangleMesh& mesh,
 }  // namespace
 
 Box box_of(const BoxNode& node) {
-  Box box = kNothing;
-  for (int a = 0; a < 3; ++a)
-    for (int i = 0; i < 8; ++i) {
-      box.low[a] = std::min(box.low[a], node.low[a][i]);
-      box.high[a] = std::max(box.high[a], node.high[a][i]);
-    }
+  Box box;
+  for (int i = 0; i < 8; ++i) box.take_in(box_of(node, i));
   return box;
 }
 

@@ -13,14 +13,11 @@
 #include <vector>
 
 #include "backend/backend.h"
+#include "types/box.h"
 #include "types/triangle_boxes.h"
 #include "vasamesh/types.h"
 
 namespace vasamesh {
-
-struct Box {
-  float low[3], high[3];
-};
 
 struct TriangleTree {
   std::vector<std::uint32_t> order;          ///< triangles, in the tree's order
@@ -42,9 +39,9 @@ TriangleTree build_tree_in_order(Backend& backend, const TriangleMesh& mesh);
 inline unsigned meeting(const BoxNode& node, const Box& box) {
   float gap[8];  // the largest along the axes; in this form compilers do all eight at once
   for (int i = 0; i < 8; ++i) {
-    const float x = std::max(node.low[0][i] - box.high[0], box.low[0] - node.high[0][i]);
-    const float y = std::max(node.low[1][i] - box.high[1], box.low[1] - node.high[1][i]);
-    const float z = std::max(node.low[2][i] - box.high[2], box.low[2] - node.high[2][i]);
+    const float x = std::max(node.low[0][i] - box.high.x, box.low.x - node.high[0][i]);
+    const float y = std::max(node.low[1][i] - box.high.y, box.low.y - node.high[1][i]);
+    const float z = std::max(node.low[2][i] - box.high.z, box.low.z - node.high[2][i]);
     gap[i] = std::max(std::max(x, y), z);
   }
   unsigned mask = 0;

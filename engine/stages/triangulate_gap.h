@@ -88,7 +88,8 @@ class GapTriangulator {
            (polygon_.chords[n_ * i + j] != 0 &&
             chord_follows_surface(rules_, polygon_.points[i], polygon_.points[j]));
   }
-  /// Whether the triangle obeys the rules; `worst` and `twice_area` as triangle_cost takes them.
+  /// Whether the triangle's normal obeys the rules. \param product  of two of its edges, `squared`:
+  /// its squared norm, `worst`: its least dot product with the normals at the corners.
   bool obeys_normals(std::size_t i, std::size_t k, std::size_t j, Vec3& product, float& squared,
                      float& worst) const;
   bool obeys_middle(std::size_t i, std::size_t k, std::size_t j, const Vec3& product) const;

@@ -20,7 +20,7 @@ namespace vasamesh {
 /// spacing / geometric mean of the spacings, along x, y, z.
 using Scale = std::array<float, 3>;
 
-/// Views of a point cloud; `Count` is float or const float.
+/// Views of a point cloud; `Float` is float or const float.
 template <class Float>
 struct BasicPointView {
   std::size_t count = 0;

@@ -59,6 +59,9 @@ inline std::size_t size_cell(const FieldView& field, const Vec3& p) {
   return kCells * static_cast<std::size_t>(brick) + static_cast<std::size_t>(x + 4 * (y + 4 * z));
 }
 
+/// Edges longer than this times their size are split.
+inline constexpr float kLongest = 4.0f / 3.0f;
+
 /// The size of the voxel that holds a point.
 inline float size_at(const SizeView& view, const Vec3& p) {
   const std::size_t cell = size_cell(view.field, p);

@@ -36,10 +36,9 @@ std::string expand_constants() {
   using namespace expand_rules;
   return define("EXPAND_PI", kPi) + define("EXPAND_BLOCK", kCornerBlock) +
          define("EXPAND_MOST_VERTICES", kMostNewVertices) +
-         define("EXPAND_LONGEST_EDGE", kLongestEdge) +
-         define("EXPAND_SAME_SHEET", expand_rules::kSameSheet) + define("EXPAND_FACING", kFacing) +
-         define("EXPAND_SHEET_OFFSET", kSheetOffset) + define("EXPAND_SHRINK", kShrink) +
-         define("EXPAND_ALONG_GRADIENT", kAlongGradient) +
+         define("EXPAND_LONGEST_EDGE", kLongestEdge) + define("EXPAND_SAME_SHEET", kSameSheet) +
+         define("EXPAND_FACING", kFacing) + define("EXPAND_SHEET_OFFSET", kSheetOffset) +
+         define("EXPAND_SHRINK", kShrink) + define("EXPAND_ALONG_GRADIENT", kAlongGradient) +
          define("EXPAND_PLACE_STEPS", kPlaceSteps) + define("EXPAND_PLACE_REACH", kPlaceReach) +
          define("EXPAND_PART", kPart) + define("EXPAND_EAR_ANGLE", kEarAngle) +
          define("EXPAND_NARROW", kNarrow) + define("EXPAND_COVERED", kCovered) +
@@ -58,7 +57,8 @@ std::string kernel_constants() {
          define("LATTICE_FACE_CENTRE", kFaceCentre) + define("LATTICE_FAR_MARK", kFarMark) +
          define("LATTICE_STUCK_MARK", kStuckMark) + define("RELABEL_BLOCK", kNodeBlock) +
          define("RELABEL_LEAST_OCCUPANCY", kLeastOccupancy) + define("FAR_ENOUGH", kFarEnough) +
-         define("NORMALS_REACH", kNeighbourReach) + define("NORMALS_SAME_SHEET", kSameSheet) +
+         define("NORMALS_REACH", kNeighbourReach) +
+         define("NORMALS_SAME_SHEET", kSameSheetGradients) +
          define("NORMALS_TANGENT_WEIGHT", kTangentWeight) +
          define("NORMALS_NO_GRADIENT", kNoGradient) +
          define("NORMALS_AGAINST_FACES", kAgainstFaces) + define("NORMALS_SPAN", kMaxGradientSpan) +

@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <cstring>
 
+#include "types/row_bits.h"
+
 namespace vasamesh {
 
 inline constexpr int kBrickRows = 64;
@@ -20,8 +22,7 @@ inline std::uint64_t load_bytes(const std::uint8_t* brick, int row = 0) {
 
 /// Bit x where byte x of a row has `bit`, a power of two.
 constexpr std::uint32_t byte_bits(std::uint64_t bytes, std::uint8_t bit) {
-  return static_cast<std::uint32_t>((bytes / bit & 0x0101010101010101u) * 0x0102040810204080u >>
-                                    56);
+  return gather_bits(bytes / bit);
 }
 
 /// Byte x is 1 where bit x of eight is set, else 0.

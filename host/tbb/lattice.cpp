@@ -6,6 +6,7 @@
 
 #include "tbb/byte_rows.h"
 #include "tbb/tbb_backend.h"
+#include "types/row_bits.h"
 
 namespace vasamesh {
 
@@ -34,15 +35,7 @@ constexpr std::uint32_t spread(std::uint32_t bits) {
 /// kVoxels voxels from (x, y, z), background outside the volume.
 std::uint32_t voxel_row(const BitView& object, int x, int y, int z) {
   if (y < 0 || z < 0 || y >= object.size[1] || z >= object.size[2]) return 0;
-  const int before = x < 0 ? -x : 0;
-  const int from = x + before;
-  const int word = from >> 6, shift = from & 63;
-  if (word >= object.words_per_row) return 0;
-  const std::uint64_t* row = object.words.data() + object.row(y, z);
-  std::uint64_t bits = row[word] >> shift;
-  if (shift > 64 - kVoxels && word + 1 < object.words_per_row)
-    bits |= row[word + 1] << (64 - shift);
-  return static_cast<std::uint32_t>(bits << before) & ((1u << kVoxels) - 1);
+  return row_bits(object.words.data() + object.row(y, z), object.words_per_row, x, kVoxels);
 }
 
 /// \return false where all voxels are alike, so that there is no boundary.

@@ -169,7 +169,7 @@ class NearestRows {
     for (const Neighbourhood::Sample& sample : samples) {
       const Vec& g = sample.gradient;
       const VecRows& own = queries.gradient;
-      const RowMask agrees = (g[0] * own[0] + g[1] * own[1]) + g[2] * own[2] > kSameSheet;
+      const RowMask agrees = (g[0] * own[0] + g[1] * own[1]) + g[2] * own[2] > kSameSheetGradients;
       for (std::size_t axis = 0; axis < 3; ++axis)
         sum[axis] += where(agrees, sample.position[axis] - queries.position[axis]);
       agreeing += where(agrees, Row{1, 1, 1, 1, 1, 1, 1, 1});

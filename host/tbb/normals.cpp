@@ -12,6 +12,7 @@
 #include "stages/jacobi.h"
 #include "tbb/nearest.h"
 #include "tbb/tbb_backend.h"
+#include "types/row_bits.h"
 
 namespace vasamesh {
 
@@ -32,14 +33,6 @@ void store(const std::array<View<float>, 3>& views, std::size_t i, const Vec& v)
 
 constexpr std::size_t kPointGrain = 512;  // points a task takes
 constexpr std::size_t kBrickGrain = 8;    // bricks a task takes
-
-/// Bits first .. first + span - 1 of a row; in the row or its padding. \pre span <= 16.
-unsigned row_bits(const std::uint64_t* row, int first, int span) {
-  const int word = first >> 6, shift = first & 63;
-  std::uint64_t bits = row[word] >> shift;
-  if (shift + span > 64) bits |= row[word + 1] << (64 - shift);
-  return static_cast<unsigned>(bits & ((1u << span) - 1));
-}
 
 /// Sum of weight * offset over the object voxels in reach of a point: towards the object.
 Vec occupancy_gradient(const BitView& object, const GradientTable& table, const Vec& position) {

@@ -5,6 +5,7 @@
 #include <bit>
 
 #include "tbb/tbb_backend.h"
+#include "types/row_bits.h"
 
 namespace vasamesh {
 
@@ -13,15 +14,6 @@ namespace {
 constexpr int kHalo = 2;                       // voxels round a brick that its points look at
 constexpr int kSpan = kBrickSide + 2 * kHalo;  // 12
 constexpr std::size_t kGrain = 16;             // bricks a task takes
-
-/// Twelve bits of a row from bit `first` on, which may be outside the row.
-unsigned row_bits(const std::uint64_t* row, int words, int first) {
-  const int word = first >> 6, shift = first & 63;
-  std::uint64_t bits = 0;
-  if (word >= 0 && word < words) bits = row[word] >> shift;
-  if (shift > 64 - kSpan && word + 1 < words) bits |= row[word + 1] << (64 - shift);
-  return static_cast<unsigned>(bits & ((1u << kSpan) - 1));
-}
 
 /// A brick of bits with two voxels round it: voxel (x, y, z) of the brick is bit x + 2 of
 /// row[z + 2][y + 2].
@@ -34,7 +26,7 @@ struct Block {
         const int vy = 8 * brick.y + y - kHalo, vz = 8 * brick.z + z - kHalo;
         const bool inside = vy >= 0 && vy < bits.size[1] && vz >= 0 && vz < bits.size[2];
         row[z][y] = inside ? row_bits(bits.words.data() + bits.row(vy, vz), bits.words_per_row,
-                                      8 * brick.x - kHalo)
+                                      8 * brick.x - kHalo, kSpan)
                            : 0;
       }
   }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "tbb/tbb_backend.h"
+#include "types/row_bits.h"
 
 namespace vasamesh {
 
@@ -18,7 +19,7 @@ constexpr std::size_t kRowGrain = 64;  // rows a task takes
 Word nonzero_bytes(Word bytes) {
   constexpr Word kLow = 0x7f7f7f7f7f7f7f7fu, kHigh = 0x8080808080808080u;
   const Word flags = (((bytes & kLow) + kLow) | bytes) & kHigh;
-  return ((flags >> 7) * 0x0102040810204080u) >> 56;
+  return gather_bits(flags >> 7);
 }
 
 /// Up to eight voxels from voxel x of a row, as bits.

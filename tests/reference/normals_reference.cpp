@@ -22,7 +22,7 @@ bool within_reach(const std::array<int, 3>& a, const std::array<int, 3>& b) {
 bool agree(const Sample& a, const Sample& b) {
   return (a.gradient[0] * b.gradient[0] + a.gradient[1] * b.gradient[1]) +
              a.gradient[2] * b.gradient[2] >
-         kSameSheet;
+         kSameSheetGradients;
 }
 
 /// The neighbour that samples first .. last - 1, those of one voxel, make.

@@ -1,10 +1,11 @@
-#include "stages/curvature.h"
+#include "stages/angle_defects.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
 #include <map>
+#include <numbers>
 #include <set>
 #include <tuple>
 
@@ -17,8 +18,8 @@ namespace vasamesh {
 
 namespace {
 
-constexpr double kTwoPi = 6.283185307179586;
-constexpr float kCell = kCurvatureCube / 2;
+constexpr double kTwoPi = 2 * std::numbers::pi;
+constexpr float kCell = kAngleDefectCube / 2;
 constexpr std::size_t kGrain = 8192;  // triangles a task takes
 
 using Cell = std::array<int, 3>;  // of the grid
@@ -98,8 +99,8 @@ std::vector<Cube> cubes_of(const Sums& sums) {
 
 }  // namespace
 
-std::vector<Vec3> curvature_differences(Backend& backend, const TriangleMesh& a,
-                                        const TriangleMesh& b) {
+std::vector<Vec3> angle_defect_differences(Backend& backend, const TriangleMesh& a,
+                                           const TriangleMesh& b) {
   Sums sums;
   add(backend, a, 1, sums);
   add(backend, b, -1, sums);

@@ -2,7 +2,7 @@
 /// Handles that one of two surfaces lacks are found by the sums of their angles; other
 /// triangulations of the same shape differ nowhere.
 
-#include "stages/curvature.h"
+#include "stages/angle_defects.h"
 
 #include <gtest/gtest.h>
 
@@ -16,19 +16,19 @@ namespace {
 
 std::vector<Vec3> both_ways(const TriangleMesh& a, const TriangleMesh& b) {
   const std::shared_ptr<Backend> backend = make_tbb_backend(2, nullptr);
-  const std::vector<Vec3> found = curvature_differences(*backend, a, b),
-                          back = curvature_differences(*backend, b, a);
+  const std::vector<Vec3> found = angle_defect_differences(*backend, a, b),
+                          back = angle_defect_differences(*backend, b, a);
   EXPECT_EQ(found.size(), back.size());
   return found;
 }
 
-TEST(Curvature, NoneBetweenTriangulationsOfOneShape) {
+TEST(AngleDefects, NoneBetweenTriangulationsOfOneShape) {
   EXPECT_TRUE(both_ways(sphere(9, 3), sphere(9, 4)).empty());
   EXPECT_TRUE(both_ways(torus(9, 3, 60, 30), torus(9, 3, 47, 23)).empty());
   EXPECT_TRUE(both_ways(torus(9, 3, 60, 30), torus(9.05f, 3.1f, 60, 30)).empty());
 }
 
-TEST(Curvature, AMissingPieceIsFoundWhereItIs) {
+TEST(AngleDefects, AMissingPieceIsFoundWhereItIs) {
   const Vertex place{21, 30, 13};
   const TriangleMesh one = sphere(9, 4);
   const std::vector<Vec3> found = both_ways(one, joined(one, moved(sphere(1, 2), place)));
@@ -72,7 +72,7 @@ TriangleMesh drilled_box(bool open) {
   return mesh;
 }
 
-TEST(Curvature, AMissingHandleIsFoundWhereItIs) {
+TEST(AngleDefects, AMissingHandleIsFoundWhereItIs) {
   // Into the middle of one of the grids' cubes.
   const Vertex place{4, 4, 2};
   const std::vector<Vec3> found =
