@@ -2,7 +2,6 @@
 
 #include <vector>
 
-#include "backend/in_steps.h"
 #include "stages/patch_rules.h"
 #include "stages/relax.h"
 
@@ -67,14 +66,6 @@ void finish(Backend& backend, const RemeshGoal& goal, WorkingSurface& surface) {
     relaxer.fit(parts, 4);
     blocks.join();
   }
-}
-
-void fix_places(const Backend& backend, const RemeshGoal& goal, WorkingSurface& surface) {
-  if (!goal.places || !goal.places->any_fixed()) return;
-  surface.fixed.resize(surface.points.size());
-  in_steps(backend, surface.fixed.size(), [&](std::size_t v) {
-    surface.fixed[v] = goal.size_at(surface.points[v].position) == 0;
-  });
 }
 
 TriangleMesh finish(Backend& backend, const FieldView& field, const SizeView& sizes,

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "stages/predicates.h"
+#include "types/mesh_vertex.h"
 #include "types/vec3d.h"
 
 namespace vasamesh {
@@ -311,6 +312,18 @@ Intersections find_intersections(Backend& backend, const TriangleMesh& mesh,
   }
   keep_lowest(result.pairs);
   return result;
+}
+
+std::vector<Vec3> centres_of(const TriangleMesh& mesh, std::span<const TrianglePair> pairs) {
+  std::vector<Vec3> centres;
+  for (const TrianglePair& pair : pairs) {
+    Vec3 centre;
+    for (std::uint32_t t : {pair.first, pair.second})
+      for (std::size_t i = 0; i < 3; ++i)
+        centre = centre + (1.0f / 6) * vertex_at(mesh, mesh.triangles[3 * std::size_t{t} + i]);
+    centres.push_back(centre);
+  }
+  return centres;
 }
 
 }  // namespace vasamesh

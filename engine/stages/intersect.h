@@ -11,10 +11,12 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "backend/backend.h"
 #include "stages/triangle_tree.h"
+#include "types/vec3.h"
 #include "vasamesh/types.h"
 
 namespace vasamesh {
@@ -51,5 +53,8 @@ std::vector<TrianglePair> candidate_pairs(Backend& backend, const TriangleMesh& 
 /// no part: the tree leaves them out.
 Intersections find_intersections(Backend& backend, const TriangleMesh& mesh,
                                  const TriangleTree& tree);
+
+/// The middles of the pairs' six corners.
+std::vector<Vec3> centres_of(const TriangleMesh& mesh, std::span<const TrianglePair> pairs);
 
 }  // namespace vasamesh

@@ -8,8 +8,6 @@
 #include "stages/patch_passes.h"
 #include "stages/patch_rules.h"
 #include "stages/relax.h"
-#include "stages/triangle_tree.h"
-#include "types/mesh_vertex.h"
 
 namespace vasamesh {
 
@@ -79,18 +77,6 @@ TriangleMesh remesh_places(Backend& backend, const FieldView& field, const SizeV
   run_rounds(backend, goal, kPlaceRounds, kRepairedRounds, surface);
   finish(backend, goal, surface);
   return make_mesh(backend, surface);
-}
-
-std::vector<Vec3> centres_of(const TriangleMesh& mesh, std::span<const TrianglePair> pairs) {
-  std::vector<Vec3> centres;
-  for (const TrianglePair& pair : pairs) {
-    Vec3 centre;
-    for (std::uint32_t t : {pair.first, pair.second})
-      for (std::size_t i = 0; i < 3; ++i)
-        centre = centre + (1.0f / 6) * vertex_at(mesh, mesh.triangles[3 * std::size_t{t} + i]);
-    centres.push_back(centre);
-  }
-  return centres;
 }
 
 }  // namespace vasamesh
