@@ -4,10 +4,11 @@
 /// Self-intersections of a triangle surface, by exact decisions: pairs of triangles that have more
 /// in common than the vertices or the edge that they share by index. A pass of the backend finds
 /// the candidates and dismisses nearly all of them (candidate_pairs.h); of the rest, separating
-/// planes in double with an error bound dismiss what they can, and exact predicates decide.
+/// planes in double with an error bound (separating_planes.h) dismiss what they can, and exact
+/// predicates decide.
 ///
-/// Gottschalk, Lin, Manocha: OBBTree, 1996 (separating axes); Guigue, Devillers: Fast and robust
-/// triangle-triangle overlap test using orientation predicates, 2003.
+/// Guigue, Devillers: Fast and robust triangle-triangle overlap test using orientation predicates,
+/// 2003.
 
 #include <array>
 #include <cstdint>

@@ -11,6 +11,7 @@
 #include "stages/normals.h"
 #include "stages/patch_rules.h"
 #include "stages/places.h"
+#include "stages/separating_planes.h"
 #include "stages/sizing.h"
 #include "types/front.h"
 #include "types/lattice.h"
@@ -71,9 +72,9 @@ std::string kernel_constants() {
          define("RELAX_GAP_STEPS", kGapSteps) + define("RELAX_LARGEST_STEP", kLargestStep) +
          define("RELAX_ENOUGH_EQUALITY", kEnoughEquality) +
          define("RELAX_PLACE_INVERSE_SIDE", Places::kInverseSide) +
-         define("VERIFY_DOT_ERROR", kDotError) +
-         define("VERIFY_DETERMINANT_ERROR", kDeterminantError) +
-         define("VERIFY_CROSS_DOT_ERROR", kCrossDotError) +
+         define("VERIFY_DOT_ERROR", kDotError<float>) +
+         define("VERIFY_DETERMINANT_ERROR", kDeterminantError<float>) +
+         define("VERIFY_CROSS_DOT_ERROR", kCrossDotError<float>) +
          define("VERIFY_LEAST_EXTENT", kLeastExtent) + define("VERIFY_MOST_EXTENT", kMostExtent) +
          expand_constants();
 }
