@@ -36,7 +36,8 @@ void run_rounds(Backend& backend, const RemeshGoal& goal, int rounds, int repair
     });
     relaxer.smooth(parts, 2);
     if (round >= rounds - repaired)
-      for_each_part(backend, parts, [&](PatchMesh& part) { repair(part, goal, kSine20, 4); });
+      for_each_part(backend, parts,
+                    [&](PatchMesh& part) { repair(part, goal, kSquaredSine20, 4); });
     blocks.join();
   }
 }

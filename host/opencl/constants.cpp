@@ -61,8 +61,10 @@ std::string kernel_constants() {
          define("NORMALS_AGAINST_FACES", kAgainstFaces) + define("NORMALS_SPAN", kMaxGradientSpan) +
          define("NORMALS_FRACTIONS", kFractions) + define("NORMALS_SWEEPS", kJacobiSweeps) +
          define("SIZING_REACH", kSampleReach) + define("SIZING_STEPS", kSampleSteps) +
-         define("SIZING_LARGEST_RADIUS", kLargestRadius) + define("RELAX_SINE25", kSine25) +
-         define("RELAX_SINE40", kSine40) + define("RELAX_LEAST_FACING", kLeastFacing) +
+         define("SIZING_LARGEST_RADIUS", kLargestRadius) +
+         define("RELAX_SQUARED_SINE25", kSquaredSine25) +
+         define("RELAX_SQUARED_SINE40", kSquaredSine40) +
+         define("RELAX_LEAST_FACING", kLeastFacing) +
          define("RELAX_LENGTH_FACTOR", RemeshGoal::kLengthFactor) +
          define("RELAX_LEAST_SLOPE", kLeastSlope) +
          define("RELAX_LEAST_AGREEMENT", kLeastAgreement) +
