@@ -91,21 +91,21 @@ static float relax_factor(const RelaxGoal *goal, float3 p) {
 
 // --- Rules of triangles (engine/stages/patch_rules.h). -------------------------------------------
 
-static float relax_least_sine(float a, float b, float c, float doubled_area) {
+static float relax_least_squared_sine(float a, float b, float c, float squared_cross) {
   const float longest_two = relax_most(relax_most(a * b, b * c), c * a);
-  return longest_two > 0 ? doubled_area / longest_two : 0.0f;
+  return longest_two > 0 ? squared_cross / longest_two : 0.0f;
 }
 
 static float relax_quality(RelaxPoint a, RelaxPoint b, RelaxPoint c) {
   const float3 ab = b.position - a.position, bc = c.position - b.position,
                ca = a.position - c.position;
   const float3 normal = vec_cross(ab, bc);
-  const float area = vec_dot(normal, normal);
+  const float squared_cross = vec_dot(normal, normal);
   const float facing = relax_least(relax_least(vec_dot(normal, a.normal), vec_dot(normal, b.normal)),
                                    vec_dot(normal, c.normal));
-  if (!(facing > 0 && facing * facing >= RELAX_LEAST_FACING * RELAX_LEAST_FACING * area))
-    return area > 0 ? facing / sqrt(area) - 1 : -2.0f;
-  return relax_least_sine(vec_dot(ab, ab), vec_dot(bc, bc), vec_dot(ca, ca), area);
+  if (!(facing > 0 && facing * facing >= RELAX_LEAST_FACING * RELAX_LEAST_FACING * squared_cross))
+    return squared_cross > 0 ? facing / sqrt(squared_cross) - 1 : -2.0f;
+  return relax_least_squared_sine(vec_dot(ab, ab), vec_dot(bc, bc), vec_dot(ca, ca), squared_cross);
 }
 
 /// The least quality of the triangles that face as the surface does.
@@ -182,7 +182,7 @@ static void relax_smooth_vertex(const RelaxGoal *goal, const RelaxRing *ring, ui
   step = step - vec_dot(step, p.normal) * p.normal;
   const float length = sqrt(vec_dot(step, step)), most = RELAX_LARGEST_STEP * p.size;
   if (length > most) step = (most / length) * step;
-  const float limit = relax_least(RELAX_SINE25, relax_facing_quality(ring, p));
+  const float limit = relax_least(RELAX_SQUARED_SINE25, relax_facing_quality(ring, p));
   for (int tries = 0; tries < 2; ++tries) {
     RelaxPoint moved = p;
     moved.position = p.position + (tries ? 0.5f : 1.0f) * step;
@@ -244,7 +244,8 @@ static void relax_equalise_vertex(const RelaxGoal *goal, const RelaxRing *ring, 
     return;
   if (onto && !relax_onto_surface(goal, RELAX_EQUALISING_REACH, &moved)) return;
   if (!(relax_equality(ring, moved.position) > relax_equality(ring, p.position))) return;
-  if (!relax_may_move(ring, p, moved, relax_least(RELAX_SINE40, relax_facing_quality(ring, p))))
+  if (!relax_may_move(ring, p, moved,
+                      relax_least(RELAX_SQUARED_SINE40, relax_facing_quality(ring, p))))
     return;
   if (onto)
     relax_store(points, vertex, moved);

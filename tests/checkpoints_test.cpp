@@ -89,7 +89,7 @@ TEST_F(Checkpoints, InPartsOfManySmallShells) {
       {"collapse", [](PatchMesh& part) { collapse_short_edges(part, kShortest, kLongest); }},
       {"valence", [](PatchMesh& part) { flip_to_valence(part, 1); }},
       {"angle", [](PatchMesh& part) { flip_to_angle(part, 1); }},
-      {"repair", [&](PatchMesh& part) { repair(part, goal, kSine40, 1); }},
+      {"repair", [&](PatchMesh& part) { repair(part, goal, kSquaredSine40, 1); }},
       {"even", [](PatchMesh& part) { even_edges(part, 1); }},
       {"widen", [](PatchMesh& part) { widen_angles(part, 1); }},
       {"dihedrals", [](PatchMesh& part) { open_dihedrals(part, 1); }},

@@ -63,18 +63,18 @@ void for_each_triangle(const PatchMesh& patch, const Visit& visit) {
 
 int uneven_triangles(const PatchMesh& patch) {
   int count = 0;
-  for_each_triangle(patch,
-                    [&](const SurfacePoint& a, const SurfacePoint& b, const SurfacePoint& c) {
-                      count += edge_equality(a.position, b.position, c.position) < kLeastEquality;
-                    });
+  for_each_triangle(
+      patch, [&](const SurfacePoint& a, const SurfacePoint& b, const SurfacePoint& c) {
+        count += squared_edge_ratio(a.position, b.position, c.position) < kLeastSquaredEdgeRatio;
+      });
   return count;
 }
 
-float least_sine_of(const PatchMesh& patch) {
+float least_squared_sine_of(const PatchMesh& patch) {
   float least = 1;
   for_each_triangle(patch,
                     [&](const SurfacePoint& a, const SurfacePoint& b, const SurfacePoint& c) {
-                      least = std::min(least, least_sine(a, b, c));
+                      least = std::min(least, least_squared_sine(a, b, c));
                     });
   return least;
 }
@@ -93,11 +93,11 @@ float area_of(const PatchMesh& patch) {
 }
 
 TEST(PatchEdges, EqualityIsTheSquaredRatioOfShortestToLongest) {
-  EXPECT_FLOAT_EQ(edge_equality({0, 0, 0}, {3, 0, 0}, {0, 4, 0}), 9.0f / 25);
-  EXPECT_FLOAT_EQ(edge_equality({0, 4, 0}, {0, 0, 0}, {3, 0, 0}), 9.0f / 25);
-  EXPECT_FLOAT_EQ(edge_equality({1, 0, 0}, {0, 1, 0}, {0, 0, 1}), 1);
-  EXPECT_EQ(edge_equality({1, 1, 1}, {1, 1, 1}, {1, 1, 1}), 0);
-  EXPECT_FLOAT_EQ(edge_equality({0, 0, 0}, {1.5f, 0, 0}, {1.5f, 1, 0}), 4.0f / 13);
+  EXPECT_FLOAT_EQ(squared_edge_ratio({0, 0, 0}, {3, 0, 0}, {0, 4, 0}), 9.0f / 25);
+  EXPECT_FLOAT_EQ(squared_edge_ratio({0, 4, 0}, {0, 0, 0}, {3, 0, 0}), 9.0f / 25);
+  EXPECT_FLOAT_EQ(squared_edge_ratio({1, 0, 0}, {0, 1, 0}, {0, 0, 1}), 1);
+  EXPECT_EQ(squared_edge_ratio({1, 1, 1}, {1, 1, 1}, {1, 1, 1}), 0);
+  EXPECT_FLOAT_EQ(squared_edge_ratio({0, 0, 0}, {1.5f, 0, 0}, {1.5f, 1, 0}), 4.0f / 13);
 }
 
 TEST(PatchEdges, AVertexFarFromTheMiddleMovesTowardsIt) {
@@ -144,12 +144,13 @@ TEST(PatchEdges, ShakenGridsBecomeEvenWithoutAFold) {
   for (unsigned seed = 1; seed <= 20; ++seed) {
     PatchMesh patch = Grid(0.25f, seed).patch();
     const int before = uneven_triangles(patch);
-    const float sine = least_sine_of(patch), area = area_of(patch);
+    const float squared_sine = least_squared_sine_of(patch), area = area_of(patch);
     ASSERT_GT(area, 0) << "seed " << seed;
     ASSERT_GT(before, 5) << "seed " << seed;
     even_edges(patch, 8);
     EXPECT_LE(uneven_triangles(patch), before / 5) << "seed " << seed;
-    EXPECT_GE(least_sine_of(patch), std::min(sine, kSine25)) << "seed " << seed;
+    EXPECT_GE(least_squared_sine_of(patch), std::min(squared_sine, kSquaredSine25))
+        << "seed " << seed;
     EXPECT_NEAR(area_of(patch), area, 1e-3f) << "seed " << seed;
   }
 }

@@ -178,13 +178,13 @@ TEST_F(PatchPasses, EqualiseRaisesTheLeastEdgeRatio) {
 
 TEST_F(PatchPasses, RepairRaisesTheLeastAngle) {
   PatchMesh patch = wheel(7, {8.85f, 8, kHeight}, 1, 1);
-  ASSERT_LT(fan_quality(patch, 0, patch.points[0]), kSine20);
-  EXPECT_EQ(repair(patch, goal(1), kSine25, 4), 0u);
+  ASSERT_LT(fan_quality(patch, 0, patch.points[0]), kSquaredSine20);
+  EXPECT_EQ(repair(patch, goal(1), kSquaredSine25, 4), 0u);
   for (std::uint32_t h = 0; h < patch.half_edge_end(); h += 4) {
     if (!patch.is_edge(h)) continue;
     EXPECT_GE(triangle_quality(patch.points[patch.origin(h)], patch.points[patch.target(h)],
                                patch.points[patch.apex(h)]),
-              kSine25);
+              kSquaredSine25);
   }
 }
 
@@ -293,13 +293,13 @@ TEST_F(PatchPasses, VerticesAreNotCrowdedByTheirOwnFans) {
   EXPECT_EQ(crowded_vertices(patch), std::vector<std::uint8_t>(patch.vertex_count(), 0));
 }
 
-float least_sine_in(const PatchMesh& patch) {
+float least_squared_sine_in(const PatchMesh& patch) {
   float least = 1;
   for (std::uint32_t h = 0; h < patch.half_edge_end(); h += 4)
     if (patch.is_edge(h))
-      least =
-          std::min(least, least_sine(patch.points[patch.origin(h)], patch.points[patch.target(h)],
-                                     patch.points[patch.apex(h)]));
+      least = std::min(
+          least, least_squared_sine(patch.points[patch.origin(h)], patch.points[patch.target(h)],
+                                    patch.points[patch.apex(h)]));
   return least;
 }
 
@@ -307,9 +307,9 @@ TEST_F(PatchPasses, SmallAnglesGetWiderWhateverTheTrianglesFace) {
   for (const float up : {1.0f, -1.0f}) {
     PatchMesh patch = wheel(7, {8.85f, 8, kHeight}, 1, 1);
     for (SurfacePoint& point : patch.points) point.normal = {0, 0, up};
-    ASSERT_LT(least_sine_in(patch), kSine20);
+    ASSERT_LT(least_squared_sine_in(patch), kSquaredSine20);
     widen_angles(patch, 4);
-    EXPECT_GE(least_sine_in(patch), kSine20);
+    EXPECT_GE(least_squared_sine_in(patch), kSquaredSine20);
   }
 }
 
@@ -317,7 +317,7 @@ TEST_F(PatchPasses, ATurnedEdgeMayFoldNoTriangle) {
   // Turning the edge between the first two would lay one triangle over the other.
   const std::vector<Vec3> places = {{8, 8, 8}, {10, 8, 8}, {10.4f, 8.3f, 8}, {10.4f, 7.7f, 8}};
   PatchMesh patch = flat_patch(places, {0, 1, 2, 1, 0, 3}, 1, {0, 0, 0, 0});
-  ASSERT_LT(least_sine_in(patch), kSine20);
+  ASSERT_LT(least_squared_sine_in(patch), kSquaredSine20);
   widen_angles(patch, 4);
   EXPECT_EQ(patch.origin(0), 0u);
   EXPECT_EQ(patch.target(0), 1u);

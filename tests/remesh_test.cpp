@@ -14,6 +14,7 @@
 #include <tuple>
 #include <utility>
 
+#include "stages/intersect.h"
 #include "stages/quality.h"
 #include "stages/sizing.h"
 #include "support/analytic_lattice.h"

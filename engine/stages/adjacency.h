@@ -17,6 +17,10 @@ namespace vasamesh {
 struct VertexCorners {
   std::vector<std::uint32_t> first;  ///< vertices + 1 entries
   std::vector<std::uint32_t> corner;
+
+  std::span<const std::uint32_t> at(std::uint32_t v) const {
+    return std::span(corner).subspan(first[v], first[v + 1] - first[v]);
+  }
 };
 
 /// All indices must be below the number of vertices. \throws Error refused beyond 2^32 corners.
@@ -28,8 +32,7 @@ VertexCorners vertex_corners(const Backend& backend, const TriangleMesh& mesh);
 template <class Visit>
 void for_each_shared_edge_up(const TriangleMesh& mesh, const VertexCorners& corners,
                              std::uint32_t v, const Visit& visit) {
-  const auto round_v =
-      std::span(corners.corner).subspan(corners.first[v], corners.first[v + 1] - corners.first[v]);
+  const std::span<const std::uint32_t> round_v = corners.at(v);
   for (const std::uint32_t c : round_v) {
     const std::uint32_t w = mesh.triangles[c / 3 * 3 + (c + 1) % 3];
     if (w <= v) continue;

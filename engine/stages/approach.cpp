@@ -181,9 +181,9 @@ bool Approach::move(std::uint32_t v, const Vec3& p, float rest) {
       bool good = true;
       mesh_.for_each_out(v, [&](std::uint32_t h) {
         const SurfacePoint &b = mesh_.points[mesh_.target(h)], &c = mesh_.points[mesh_.apex(h)];
-        const float limit = std::min(least_, least_sine(old, b, c));
+        const float limit = std::min(least_, least_squared_sine(old, b, c));
         good = good && (least_facing > 0 ? may_replace(old, moved, b, c, limit, least_facing)
-                                         : least_sine(moved, b, c) >= limit);
+                                         : least_squared_sine(moved, b, c) >= limit);
       });
       if (good && clearance_.move_if_clear(mesh_, v, moved)) return true;
     }
@@ -229,7 +229,7 @@ TriangleMesh approach(Backend& backend, const FieldView& field, const SizeView& 
   if (mesh.triangles.empty()) return mesh;
   std::vector<FarPoint> far = far_points(backend, points, farthest, mesh);
   for (int round = 0; round < kRounds && !far.empty(); ++round) {
-    const float least = round < kCarefulRounds ? kSine20 : kSine10;
+    const float least = round < kCarefulRounds ? kSquaredSine20 : kSquaredSine10;
     const Places places = places_of(far);
     const RemeshGoal goal = {field, sizes, &places, true};
     WorkingSurface surface = make_working_surface(backend, goal, mesh);
@@ -292,7 +292,7 @@ TriangleMesh bring_back(Backend& backend, const FieldView& field, const SizeView
     const std::vector<StrayVertex> strays =
         stray_vertices(backend, origin, tree, farthest, places, mesh);
     if (strays.empty()) break;
-    const float least = round < kCarefulReturns ? kSine20 : kSine10;
+    const float least = round < kCarefulReturns ? kSquaredSine20 : kSquaredSine10;
     places = places_of(strays);
     const RemeshGoal goal = {field, sizes, &places, true};
     WorkingSurface surface = make_working_surface(backend, goal, mesh);

@@ -2,15 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <span>
 
 #include "backend/ranges.h"
+#include "stages/adjacency.h"
 #include "stages/angle_defects.h"
 #include "stages/distance.h"
 #include "stages/intersect.h"
 #include "stages/places.h"
-#include "stages/remesh.h"
 #include "types/mesh_vertex.h"
 
 namespace vasamesh {
@@ -25,37 +24,20 @@ std::int64_t euler_number(const TriangleMesh& closed) {
          static_cast<std::int64_t>(closed.triangle_count() / 2);
 }
 
-/// The vertices that edges lead to from each vertex, ascending: those of vertex v are
-/// target[first[v]] .. target[first[v + 1] - 1].
-struct Edges {
-  std::vector<std::uint32_t> first, target;
-
-  Edges(Backend& backend, const TriangleMesh& mesh)
-      : first(mesh.vertex_count() + 1, 0), target(mesh.triangles.size()) {
-    for (const std::uint32_t v : mesh.triangles) ++first[v + 1];
-    std::partial_sum(first.begin(), first.end(), first.begin());
-    std::vector<std::uint32_t> next(first.begin(), first.end() - 1);
-    for (std::size_t c = 0; c < mesh.triangles.size(); ++c)
-      target[next[mesh.triangles[c]]++] = mesh.triangles[c % 3 == 2 ? c - 2 : c + 1];
-    for_each_index(backend, mesh.vertex_count(), kGrain, [&](std::size_t v) {
-      std::sort(target.begin() + first[v], target.begin() + first[v + 1]);
-    });
-  }
-  std::span<const std::uint32_t> from(std::uint32_t v) const {
-    return std::span(target).subspan(first[v], first[v + 1] - first[v]);
-  }
-};
-
 /// The first vertices of the edges that have not one triangle on each side.
 std::vector<std::uint32_t> bad_edges(Backend& backend, const TriangleMesh& mesh) {
-  const Edges edges(backend, mesh);
+  const VertexCorners corners = vertex_corners(backend, mesh);
+  const auto next_of = [&](std::uint32_t c) { return mesh.triangles[c % 3 == 2 ? c - 2 : c + 1]; };
+  const auto count_to = [&](std::span<const std::uint32_t> some, std::uint32_t v) {
+    return std::count_if(some.begin(), some.end(),
+                         [&](std::uint32_t c) { return next_of(c) == v; });
+  };
   const auto find = [&](std::size_t begin, std::size_t end, std::vector<std::uint32_t>& bad) {
     for (auto v = static_cast<std::uint32_t>(begin); v < end; ++v) {
-      const std::span<const std::uint32_t> targets = edges.from(v);
-      for (std::size_t i = 0; i < targets.size(); ++i) {
-        const std::span<const std::uint32_t> back = edges.from(targets[i]);
-        if (std::count(back.begin(), back.end(), v) != 1 || (i > 0 && targets[i] == targets[i - 1]))
-          bad.push_back(v);
+      const std::span<const std::uint32_t> from = corners.at(v);
+      for (std::size_t i = 0; i < from.size(); ++i) {
+        const std::uint32_t w = next_of(from[i]);
+        if (count_to(corners.at(w), v) != 1 || count_to(from.first(i), w) > 0) bad.push_back(v);
       }
     }
   };

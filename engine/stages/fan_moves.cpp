@@ -102,7 +102,7 @@ Vec3 smoothing_step(const SurfacePoint& p, const Ring& ring) {
 
 void smooth_vertex(const RemeshGoal& goal, const Ring& ring, SurfacePoint& p) {
   const Vec3 step = smoothing_step(p, ring);
-  const float limit = std::min(kSine25, facing_quality(p, ring));
+  const float limit = std::min(kSquaredSine25, facing_quality(p, ring));
   for (float part : {1.0f, 0.5f}) {
     SurfacePoint moved = p;
     moved.position = p.position + part * step;
@@ -121,7 +121,7 @@ bool find_more_equal(const RemeshGoal& goal, const Ring& ring, const SurfacePoin
   if (moved.position == p.position) return false;
   if (onto && !put_onto_surface(goal, kEqualisingReach, moved)) return false;
   return fan_equality(ring, moved.position) > before &&
-         may_move(p, ring, moved, std::min(kSine40, facing_quality(p, ring)));
+         may_move(p, ring, moved, std::min(kSquaredSine40, facing_quality(p, ring)));
 }
 
 std::optional<float> edge_gap(const FieldView& field, const SurfacePoint& a,

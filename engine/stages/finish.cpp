@@ -2,7 +2,6 @@
 
 #include <vector>
 
-#include "backend/in_steps.h"
 #include "stages/patch_rules.h"
 #include "stages/relax.h"
 
@@ -17,7 +16,7 @@ constexpr int kLastRounds = 4;  // that may follow where triangles with small an
 /// Whether a triangle of the part has an angle below 20 degrees.
 bool any_poor(const PatchMesh& part) {
   for (std::uint32_t h = 0; h < part.half_edge_end(); h += 4)
-    if (part.is_edge(h) && least_sine(part, h) < kSine20) return true;
+    if (part.is_edge(h) && least_squared_sine(part, h) < kSquaredSine20) return true;
   return false;
 }
 
@@ -25,8 +24,9 @@ bool any_poor(const Backend& backend, const WorkingSurface& surface) {
   constexpr std::size_t kAsked = 3 << 16;  // corners between two checkpoints
   for (std::size_t c = 0; c < surface.triangles.size(); c += 3) {
     if (c % kAsked == 0) backend.checkpoint();
-    if (least_sine(surface.points[surface.triangles[c]], surface.points[surface.triangles[c + 1]],
-                   surface.points[surface.triangles[c + 2]]) < kSine20)
+    if (least_squared_sine(surface.points[surface.triangles[c]],
+                           surface.points[surface.triangles[c + 1]],
+                           surface.points[surface.triangles[c + 2]]) < kSquaredSine20)
       return true;
   }
   return false;
@@ -46,9 +46,9 @@ void finish(Backend& backend, const RemeshGoal& goal, WorkingSurface& surface) {
     const bool is_last = round == kRounds - 1;
     for_each_part(backend, parts, [](PatchMesh& part) { flip_to_valence(part, 3); });
     relaxer.smooth(parts, 1);
-    repair_all(parts, kSine40, 1);
+    repair_all(parts, kSquaredSine40, 1);
     relaxer.equalise(parts, is_last ? 4 : 2);
-    if (is_last) repair_all(parts, kSine25, 24);
+    if (is_last) repair_all(parts, kSquaredSine25, 24);
     blocks.join();
   }
   for (int round = 0; round < kLastRounds && any_poor(backend, surface); ++round) {
@@ -58,7 +58,7 @@ void finish(Backend& backend, const RemeshGoal& goal, WorkingSurface& surface) {
     for_each_part(backend, parts, [](PatchMesh& part) { flip_to_angle(part, 3); });
     relaxer.smooth(parts, 1);
     relaxer.equalise(parts, 8);
-    repair_all(parts, kSine25, 24);
+    repair_all(parts, kSquaredSine25, 24);
     blocks.join();
   }
   for (int round = 0; round < kFitRounds; ++round) {
@@ -67,14 +67,6 @@ void finish(Backend& backend, const RemeshGoal& goal, WorkingSurface& surface) {
     relaxer.fit(parts, 4);
     blocks.join();
   }
-}
-
-void fix_places(const Backend& backend, const RemeshGoal& goal, WorkingSurface& surface) {
-  if (!goal.places || !goal.places->any_fixed()) return;
-  surface.fixed.resize(surface.points.size());
-  in_steps(backend, surface.fixed.size(), [&](std::size_t v) {
-    surface.fixed[v] = goal.size_at(surface.points[v].position) == 0;
-  });
 }
 
 TriangleMesh finish(Backend& backend, const FieldView& field, const SizeView& sizes,

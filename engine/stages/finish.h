@@ -25,7 +25,4 @@ TriangleMesh finish(Backend& backend, const FieldView& field, const SizeView& si
 /// The same on a surface that is being remeshed.
 void finish(Backend& backend, const RemeshGoal& goal, WorkingSurface& surface);
 
-/// Fixes the vertices in places of factor 0.
-void fix_places(const Backend& backend, const RemeshGoal& goal, WorkingSurface& surface);
-
 }  // namespace vasamesh

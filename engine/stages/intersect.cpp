@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cmath>
 #include <utility>
 
 #include "backend/ranges.h"
 #include "stages/predicates.h"
+#include "stages/separating_planes.h"
+#include "types/mesh_vertex.h"
 #include "types/vec3d.h"
 
 namespace vasamesh {
@@ -16,95 +17,24 @@ namespace {
 
 constexpr std::size_t kGrain = 256;  // pairs a task takes
 
-// ---- Dismissal in double. Each function says true only where it is certain. -------------------
-
-Vec3d unit(const Vec3d& a) { return (1.0 / std::sqrt(dot(a, a))) * a; }
-double largest(const Vec3d& a) { return std::max({std::abs(a.x), std::abs(a.y), std::abs(a.z)}); }
+using Corners = const float* [3];
 
 /// p - origin, to one rounding a component.
 Vec3d relative(const float* p, const float* origin) {
   return {double{p[0]} - origin[0], double{p[1]} - origin[1], double{p[2]} - origin[2]};
 }
 
-// With u = 2^-53 and all components of the vectors at most m in size, where a vector carries one
-// rounding from relative():
-//   |error of dot(k, p)| <= 5 u |k|_1 m for any k;
-//   |error of dot(cross(a, b), c)| <= 8 u * 6 m^3 (Shewchuk 1997, the bound A of orient3d);
-//   |error of dot(cross(a, b), cross(c, d))| <= 12 u * 12 m^4.
-constexpr double kDotError = 8 * 0x1p-53;
-constexpr double kDetError = 64 * 0x1p-53;
-constexpr double kCrossDotError = 192 * 0x1p-53;
-
-/// Whether planes across `axis` lie between the points a and the points b.
-bool separates(const Vec3d& axis, const Vec3d (&a)[3], const Vec3d (&b)[3], double m) {
-  const double error = 2 * kDotError * (std::abs(axis.x) + std::abs(axis.y) + std::abs(axis.z)) * m;
-  const double a0 = dot(axis, a[0]), a1 = dot(axis, a[1]), a2 = dot(axis, a[2]);
-  const double b0 = dot(axis, b[0]), b1 = dot(axis, b[1]), b2 = dot(axis, b[2]);
-  return std::min({a0, a1, a2}) > std::max({b0, b1, b2}) + error ||
-         std::min({b0, b1, b2}) > std::max({a0, a1, a2}) + error;
+/// \param common  how many corners they share, the first ones of both.
+CornerPair<Vec3d> corner_pair(const Corners& p, const Corners& q, int common) {
+  CornerPair<Vec3d> pair;
+  pair.common = common;
+  for (int i = 1; i < 3; ++i) pair.a[i] = relative(p[i], p[0]);
+  for (int i = 0; i < 3; ++i) pair.b[i] = i < common ? pair.a[i] : relative(q[i], p[0]);
+  for (int i = 0; i < 3; ++i)
+    pair.extent =
+        std::max({pair.extent, largest_component(pair.a[i]), largest_component(pair.b[i])});
+  return pair;
 }
-
-/// Whether some axis shows that two triangles do not meet at all.
-bool certainly_apart(const float* const (&p)[3], const float* const (&q)[3]) {
-  Vec3d a[3], b[3];
-  double m = 0;
-  for (int i = 0; i < 3; ++i) {
-    a[i] = relative(p[i], p[0]);
-    b[i] = relative(q[i], p[0]);
-    m = std::max({m, largest(a[i]), largest(b[i])});
-  }
-  const Vec3d e[3] = {a[1] - a[0], a[2] - a[1], a[0] - a[2]};
-  const Vec3d f[3] = {b[1] - b[0], b[2] - b[1], b[0] - b[2]};
-  const Vec3d n = cross(e[0], e[1]), o = cross(f[0], f[1]);
-  if (separates(n, a, b, m) || separates(o, a, b, m)) return true;
-  for (const Vec3d& edge : e)
-    if (separates(cross(n, edge), a, b, m)) return true;
-  for (const Vec3d& edge : f)
-    if (separates(cross(o, edge), a, b, m)) return true;
-  for (const Vec3d& edge : e)
-    for (const Vec3d& other : f)
-      if (separates(cross(edge, other), a, b, m)) return true;
-  return false;
-}
-
-/// Whether x and y are certainly of one sign, each beyond `error`.
-bool same_side(double x, double y, double error) {
-  return (x > error && y > error) || (x < -error && y < -error);
-}
-
-/// Whether the plane through the origin across `axis` lies between a, b and c, d, touching none.
-bool divides(const Vec3d& axis, const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d,
-             double m) {
-  const double error = kDotError * (std::abs(axis.x) + std::abs(axis.y) + std::abs(axis.z)) * m;
-  return dot(axis, a) > error && dot(axis, b) > error && dot(axis, c) < -error &&
-         dot(axis, d) < -error;
-}
-
-/// Whether the triangles (v, p0, p1) and (v, q0, q1) certainly meet in v alone.
-bool certainly_meet_in_vertex(const float* v, const float* const (&p)[2],
-                              const float* const (&q)[2]) {
-  const Vec3d a = relative(p[0], v), b = relative(p[1], v);
-  const Vec3d c = relative(q[0], v), d = relative(q[1], v);
-  const double m = std::max({largest(a), largest(b), largest(c), largest(d)});
-  if (divides((a + b) - (c + d), a, b, c, d, m)) return true;
-  const double error = kDetError * m * m * m;
-  const Vec3d n = cross(a, b), o = cross(c, d);
-  return same_side(dot(n, c), dot(n, d), error) || same_side(dot(o, a), dot(o, b), error) ||
-         divides((unit(a) + unit(b)) - (unit(c) + unit(d)), a, b, c, d, m);
-}
-
-/// Whether the triangles (u, v, p) and (v, u, q) are certainly not folded onto each other.
-bool certainly_unfolded(const float* u, const float* v, const float* p, const float* q) {
-  const Vec3d edge = relative(v, u), a = relative(p, u), b = relative(q, u);
-  const double m = std::max({largest(edge), largest(a), largest(b)});
-  const Vec3d n = cross(edge, a);
-  return dot(n, cross(edge, b)) < -kCrossDotError * m * m * m * m ||
-         std::abs(dot(n, b)) > kDetError * m * m * m;
-}
-
-// ---- Exact decisions. -------------------------------------------------------------------------
-
-using Corners = const float* [3];
 
 /// An axis along which the triangle projects to one that is not degenerate.
 int projection_axis(const Corners& t) {
@@ -152,7 +82,7 @@ bool segment_meets_triangle(const float* p, const float* q, const Corners& t) {
 
 /// Two triangles without a common vertex.
 bool disjoint_meet(const Corners& a, const Corners& b) {
-  if (certainly_apart(a, b)) return false;
+  if (are_certainly_apart(corner_pair(a, b, 0))) return false;
   for (int i = 0; i < 3; ++i)
     if (segment_meets_triangle(a[i], a[(i + 1) % 3], b) ||
         segment_meets_triangle(b[i], b[(i + 1) % 3], a))
@@ -162,13 +92,14 @@ bool disjoint_meet(const Corners& a, const Corners& b) {
 
 /// Two triangles with the common vertex 0. What else they share reaches the opposite edge of one.
 bool meet_beyond_vertex(const Corners& a, const Corners& b) {
-  if (certainly_meet_in_vertex(a[0], {a[1], a[2]}, {b[1], b[2]})) return false;
+  if (are_certainly_apart(corner_pair(a, b, 1))) return false;
   return segment_meets_triangle(a[1], a[2], b) || segment_meets_triangle(b[1], b[2], a);
 }
 
 /// Two triangles with the common edge 0, 1: only when they lie on each other.
-bool meet_beyond_edge(const Corners& a, const float* other) {
-  if (certainly_unfolded(a[0], a[1], a[2], other)) return false;
+bool meet_beyond_edge(const Corners& a, const Corners& b) {
+  if (are_certainly_apart(corner_pair(a, b, 2))) return false;
+  const float* other = b[2];
   if (orient3d(a[0], a[1], a[2], other) != 0) return false;
   const int axis = projection_axis(a);
   return orient2d(a[0], a[1], other, axis) == orient2d(a[0], a[1], a[2], axis);
@@ -269,7 +200,7 @@ bool triangles_intersect(const NamedTriangle& a, const NamedTriangle& b) {
     case 1:
       return meet_beyond_vertex(s, t);
     case 2:
-      return meet_beyond_edge(s, t[2]);
+      return meet_beyond_edge(s, t);
     default:
       return true;
   }
@@ -307,6 +238,18 @@ Intersections find_intersections(Backend& backend, const TriangleMesh& mesh,
   result.count = static_cast<std::int64_t>(result.pairs.size());
   keep_lowest(result.pairs);
   return result;
+}
+
+std::vector<Vec3> centres_of(const TriangleMesh& mesh, std::span<const TrianglePair> pairs) {
+  std::vector<Vec3> centres;
+  for (const TrianglePair& pair : pairs) {
+    Vec3 centre;
+    for (std::uint32_t t : {pair.first, pair.second})
+      for (std::size_t i = 0; i < 3; ++i)
+        centre = centre + (1.0f / 6) * vertex_at(mesh, mesh.triangles[3 * std::size_t{t} + i]);
+    centres.push_back(centre);
+  }
+  return centres;
 }
 
 }  // namespace vasamesh

@@ -4,17 +4,20 @@
 /// Self-intersections of a triangle surface, by exact decisions: pairs of triangles that have more
 /// in common than the vertices or the edge that they share by index. A pass of the backend finds
 /// the candidates and dismisses nearly all of them (candidate_pairs.h); of the rest, separating
-/// planes in double with an error bound dismiss what they can, and exact predicates decide.
+/// planes in double with an error bound (separating_planes.h) dismiss what they can, and exact
+/// predicates decide.
 ///
-/// Gottschalk, Lin, Manocha: OBBTree, 1996 (separating axes); Guigue, Devillers: Fast and robust
-/// triangle-triangle overlap test using orientation predicates, 2003.
+/// Guigue, Devillers: Fast and robust triangle-triangle overlap test using orientation predicates,
+/// 2003.
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "backend/backend.h"
 #include "stages/triangle_tree.h"
+#include "types/vec3.h"
 #include "vasamesh/types.h"
 
 namespace vasamesh {
@@ -51,5 +54,8 @@ std::vector<TrianglePair> candidate_pairs(Backend& backend, const TriangleMesh& 
 /// no part: the tree leaves them out.
 Intersections find_intersections(Backend& backend, const TriangleMesh& mesh,
                                  const TriangleTree& tree);
+
+/// The middles of the pairs' six corners.
+std::vector<Vec3> centres_of(const TriangleMesh& mesh, std::span<const TrianglePair> pairs);
 
 }  // namespace vasamesh

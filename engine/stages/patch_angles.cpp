@@ -12,18 +12,18 @@ namespace vasamesh {
 
 namespace {
 
-constexpr float kWanted = 1.05f * kSine20;  // a little more than is asked for
-constexpr float kGain = 1.01f;              // the least by which a squared sine must grow
-constexpr float kLastStep = 0.01f;          // of the mean edge round a vertex
+constexpr float kWanted = 1.05f * kSquaredSine20;  // a little more than is asked for
+constexpr float kGain = 1.01f;                     // the least by which a squared sine must grow
+constexpr float kLastStep = 0.01f;                 // of the mean edge round a vertex
 
 /// The least squared sine of the triangles round v with `point` in its place; -1 where one of them
 /// turns by 90 degrees or more.
-float fan_sine(const PatchMesh& mesh, std::uint32_t v, const SurfacePoint& point) {
+float fan_squared_sine(const PatchMesh& mesh, std::uint32_t v, const SurfacePoint& point) {
   float least = 1;
   mesh.for_each_out(v, [&](std::uint32_t h) {
     const SurfacePoint &b = mesh.points[mesh.target(h)], &c = mesh.points[mesh.apex(h)];
     const bool turned = turns(area_vector(mesh.points[v], b, c), area_vector(point, b, c), 0);
-    least = std::min(least, turned ? -1 : least_sine(point, b, c));
+    least = std::min(least, turned ? -1 : least_squared_sine(point, b, c));
   });
   return least;
 }
@@ -32,23 +32,23 @@ struct Widening {
   static constexpr float least_turn = 0;
 
   bool is_poor(const SurfacePoint& a, const SurfacePoint& b, const SurfacePoint& c) const {
-    return least_sine(a, b, c) < kWanted;
+    return least_squared_sine(a, b, c) < kWanted;
   }
 
   bool prefers_flip(const SurfacePoint& p, const SurfacePoint& q, const SurfacePoint& c,
                     const SurfacePoint& d) const {
-    const float before = std::min(least_sine(p, q, c), least_sine(q, p, d));
-    return std::min(least_sine(d, c, p), least_sine(c, d, q)) > kGain * before;
+    const float before = std::min(least_squared_sine(p, q, c), least_squared_sine(q, p, d));
+    return std::min(least_squared_sine(d, c, p), least_squared_sine(c, d, q)) > kGain * before;
   }
 
   /// The place of v with the widest least angle round it.
   std::optional<SurfacePoint> better_place(const PatchMesh& mesh, std::uint32_t v) const {
-    const float before = fan_sine(mesh, v, mesh.points[v]);
+    const float before = fan_squared_sine(mesh, v, mesh.points[v]);
     float widest = before;
     SurfacePoint best = search_around(mesh, v, kLastStep, [&](const SurfacePoint& point) {
-      const float sine = fan_sine(mesh, v, point);
-      if (!(sine > kGain * widest && sine > widest)) return false;
-      widest = sine;
+      const float squared_sine = fan_squared_sine(mesh, v, point);
+      if (!(squared_sine > kGain * widest && squared_sine > widest)) return false;
+      widest = squared_sine;
       return true;
     });
     if (!(widest > before)) return std::nullopt;

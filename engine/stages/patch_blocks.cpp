@@ -297,6 +297,14 @@ WorkingSurface make_working_surface(Backend& backend, const RemeshGoal& goal,
   return surface;
 }
 
+void fix_places(const Backend& backend, const RemeshGoal& goal, WorkingSurface& surface) {
+  if (!goal.places || !goal.places->any_fixed()) return;
+  surface.fixed.resize(surface.points.size());
+  in_steps(backend, surface.fixed.size(), [&](std::size_t v) {
+    surface.fixed[v] = goal.size_at(surface.points[v].position) == 0;
+  });
+}
+
 TriangleMesh make_mesh(Backend& backend, const WorkingSurface& surface) {
   TriangleMesh mesh;
   append_in_steps<std::uint32_t>(backend, surface.triangles, mesh.triangles);

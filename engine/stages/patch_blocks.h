@@ -80,6 +80,9 @@ void for_each_part(Backend& backend, std::span<PatchMesh* const> parts,
 WorkingSurface make_working_surface(Backend& backend, const RemeshGoal& goal,
                                     const TriangleMesh& mesh);
 
+/// Fixes the vertices in the goal's places of factor 0.
+void fix_places(const Backend& backend, const RemeshGoal& goal, WorkingSurface& surface);
+
 /// The mesh of what is left, its vertices in the order in which the triangles have them: near ones
 /// lie near each other in memory.
 TriangleMesh make_mesh(Backend& backend, const WorkingSurface& surface);

@@ -21,8 +21,8 @@ bool leaves_good_triangles(const PatchMesh& mesh, std::uint32_t gone, std::uint3
     const SurfacePoint &p = mesh.points[b], &q = mesh.points[c];
     if ((b != last && !is_good_edge(p)) || !is_good_edge(q)) return false;
     last = c;
-    return triangle_quality(point, p, q) >= kSine10 ||
-           may_replace(old, point, p, q, std::min(kSine10, facing_fan_quality(mesh, gone)));
+    return triangle_quality(point, p, q) >= kSquaredSine10 ||
+           may_replace(old, point, p, q, std::min(kSquaredSine10, facing_fan_quality(mesh, gone)));
   });
 }
 

@@ -28,8 +28,9 @@ Vec3 normal_of(const PatchMesh& mesh, const Corners& triangle) {
       area_vector(mesh.points[triangle[0]], mesh.points[triangle[1]], mesh.points[triangle[2]]));
 }
 
-float sine_of(const PatchMesh& mesh, const Corners& triangle) {
-  return least_sine(mesh.points[triangle[0]], mesh.points[triangle[1]], mesh.points[triangle[2]]);
+float squared_sine_of(const PatchMesh& mesh, const Corners& triangle) {
+  return least_squared_sine(mesh.points[triangle[0]], mesh.points[triangle[1]],
+                            mesh.points[triangle[2]]);
 }
 
 /// The cosine between the normals of the triangles at the edge of h, which has two.
@@ -67,9 +68,9 @@ class Change {
     return least;
   }
 
-  float least_sine() const {
+  float least_squared_sine() const {
     float least = 1;
-    for (const Corners& t : made) least = std::min(least, sine_of(mesh_, t));
+    for (const Corners& t : made) least = std::min(least, squared_sine_of(mesh_, t));
     return least;
   }
 
@@ -118,9 +119,10 @@ class Opening {
     const std::uint32_t t = mesh_.twin(h), p = mesh_.origin(h), q = mesh_.target(h),
                         c = mesh_.apex(h), d = mesh_.apex(t);
     Change change(mesh_, std::array{h, t});
-    const float before = change.sharpest(), sine = std::min(kSine25, change.least_sine());
+    const float before = change.sharpest(),
+                squared_sine = std::min(kSquaredSine25, change.least_squared_sine());
     change.made = {{d, c, p}, {c, d, q}};
-    return change.sharpest() > before + kGain && change.least_sine() >= sine &&
+    return change.sharpest() > before + kGain && change.least_squared_sine() >= squared_sine &&
            clearance_.flip_if_clear(mesh_, h);
   }
 
@@ -130,8 +132,9 @@ class Opening {
     std::vector<std::uint32_t> fan;
     mesh_.for_each_out(v, [&](std::uint32_t h) { fan.push_back(h); });
     const Change change(mesh_, fan);
-    std::vector<float> sines;
-    for (const Corners& t : change.made) sines.push_back(std::min(kSine25, sine_of(mesh_, t)));
+    std::vector<float> squared_sines;
+    for (const Corners& t : change.made)
+      squared_sines.push_back(std::min(kSquaredSine25, squared_sine_of(mesh_, t)));
     const SurfacePoint old = mesh_.points[v];
     const float before = change.sharpest(), farthest = kMostMove * old.size;
     float most = before;
@@ -139,8 +142,8 @@ class Opening {
       if (squared_norm(point.position - old.position) > farthest * farthest) return false;
       mesh_.points[v] = point;
       bool good = true;
-      for (std::size_t i = 0; i < sines.size(); ++i)
-        good = good && sine_of(mesh_, change.made[i]) >= sines[i];
+      for (std::size_t i = 0; i < squared_sines.size(); ++i)
+        good = good && squared_sine_of(mesh_, change.made[i]) >= squared_sines[i];
       const float found = good ? change.sharpest() : -1;
       mesh_.points[v] = old;
       if (!(found > most + kGainOfAStep)) return false;

@@ -14,9 +14,9 @@ namespace vasamesh {
 namespace {
 
 // Of squared edge ratios, shortest over longest.
-constexpr float kWanted = 1.03f * kLeastEquality;  // a little more than is asked for
-constexpr float kPlain = 0.5f;                     // what lies below counts
-constexpr float kUnequal = 5;                      // times as much as what lies above
+constexpr float kWanted = 1.03f * kLeastSquaredEdgeRatio;  // a little more than is asked for
+constexpr float kPlain = 0.5f;                             // what lies below counts
+constexpr float kUnequal = 5;                              // times as much as what lies above
 constexpr float kLeastBend = 0.75f;  // cosine between the triangles at an edge that may turn
 constexpr float kFlipGain = 0.01f, kMoveGain = 0.002f;
 
@@ -24,7 +24,7 @@ constexpr float kFirstStep = 0.16f, kLastStep = 0.03f, kMostMove = 0.25f;  // of
 
 /// Grows with the squared edge ratio, up to where it is good enough, and faster where it is poor.
 float worth(const SurfacePoint& a, const SurfacePoint& b, const SurfacePoint& c) {
-  const float equality = edge_equality(a.position, b.position, c.position);
+  const float equality = squared_edge_ratio(a.position, b.position, c.position);
   return std::min(equality, kEnoughEquality) + (kUnequal - 1) * std::min(equality - kPlain, 0.0f);
 }
 
@@ -32,7 +32,7 @@ struct Evening {
   static constexpr float least_turn = 0.9f;
 
   bool is_poor(const SurfacePoint& a, const SurfacePoint& b, const SurfacePoint& c) const {
-    return edge_equality(a.position, b.position, c.position) < kWanted;
+    return squared_edge_ratio(a.position, b.position, c.position) < kWanted;
   }
 
   /// Edges that the surface is bent along stay.
@@ -40,7 +40,7 @@ struct Evening {
                     const SurfacePoint& d) const {
     return !turns(area_vector(p, q, c), area_vector(q, p, d), kLeastBend) &&
            worth(d, c, p) + worth(c, d, q) > worth(p, q, c) + worth(q, p, d) + kFlipGain &&
-           std::min(least_sine(d, c, p), least_sine(c, d, q)) >= kSine25;
+           std::min(least_squared_sine(d, c, p), least_squared_sine(c, d, q)) >= kSquaredSine25;
   }
 
   /// The worth of the triangles round v with `point` in its place; none where one of them turns too
@@ -53,7 +53,8 @@ struct Evening {
     mesh.for_each_out(v, [&](std::uint32_t h) {
       const SurfacePoint &b = mesh.points[mesh.target(h)], &c = mesh.points[mesh.apex(h)];
       good = good && !turns(area_vector(old, b, c), area_vector(point, b, c), least_turn) &&
-             least_sine(point, b, c) >= std::min(kSine25, least_sine(old, b, c));
+             least_squared_sine(point, b, c) >=
+                 std::min(kSquaredSine25, least_squared_sine(old, b, c));
       sum += worth(point, b, c);
     });
     return good ? std::optional(sum) : std::nullopt;

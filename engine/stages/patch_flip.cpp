@@ -85,7 +85,8 @@ void flip_to_valence(PatchMesh& mesh, int passes) {
   const auto wanted = [&](std::uint32_t h) {
     if (!excesses.gain_by_flip(h)) return false;
     const FlipQuality quality = flip_quality(mesh, h);
-    return quality.after >= kSine20 || (quality.after >= 0 && quality.after > quality.before);
+    return quality.after >= kSquaredSine20 ||
+           (quality.after >= 0 && quality.after > quality.before);
   };
   flip_where(mesh, passes, wanted, [&](std::uint32_t h) { excesses.take_flip(h); });
 }

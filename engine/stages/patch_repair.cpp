@@ -32,13 +32,13 @@ float quality_of(const PatchMesh& mesh, std::uint32_t h) {
 
 /// The quality of a triangle with corners a, b, c, its least cosine with their normals being
 /// `facing` over the length of `normal` (triangle_quality()).
-float quality_from(float ab, float bc, float ca, float area, float facing) {
+float quality_from(float ab, float bc, float ca, float squared_cross, float facing) {
   const float longest_two = most(most(ab * bc, bc * ca), ca * ab);
-  const float sine = longest_two > 0 ? area / longest_two : 0.0f;
-  const float turned = area > 0 ? facing / std::sqrt(area) - 1 : -2.0f;
-  const bool faces =
-      (facing > 0) & (facing * facing >= kLeastFacingInRepair * kLeastFacingInRepair * area);
-  return faces ? sine : turned;
+  const float squared_sine = longest_two > 0 ? squared_cross / longest_two : 0.0f;
+  const float turned = squared_cross > 0 ? facing / std::sqrt(squared_cross) - 1 : -2.0f;
+  const bool faces = (facing > 0) & (facing * facing >=
+                                     kLeastFacingInRepair * kLeastFacingInRepair * squared_cross);
+  return faces ? squared_sine : turned;
 }
 
 /// fan_quality() in repairs with a vertex of that normal in each of the places.
@@ -298,8 +298,8 @@ std::uint32_t repair(PatchMesh& mesh, const RemeshGoal& goal, float wanted, int 
     }
     if (left == 0 || pass == passes) return left;
     if (pass % kPassesBetween != kPassesBetween - 1) continue;
-    if (worst >= kSine20) return left;
-    work->relax(std::min(wanted, kSine20));
+    if (worst >= kSquaredSine20) return left;
+    work->relax(std::min(wanted, kSquaredSine20));
   }
 }
 

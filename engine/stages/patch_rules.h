@@ -12,20 +12,20 @@
 
 namespace vasamesh {
 
-/// Squares of sines of angles.
-inline constexpr float kSine10 = 0.030154f, kSine20 = 0.116978f, kSine25 = 0.178606f,
-                       kSine40 = 0.413176f;
+/// Squared sines of 10, 20, 25 and 40 degrees.
+inline constexpr float kSquaredSine10 = 0.030154f, kSquaredSine20 = 0.116978f,
+                       kSquaredSine25 = 0.178606f, kSquaredSine40 = 0.413176f;
 
 /// Squared ratio of a triangle's shortest edge to its longest: 1 where they are equal, 0 where all
 /// are points.
-inline float edge_equality(const Vec3& p, const Vec3& q, const Vec3& r) {
+inline float squared_edge_ratio(const Vec3& p, const Vec3& q, const Vec3& r) {
   const float a = squared_norm(q - p), b = squared_norm(r - q), c = squared_norm(p - r);
   const float longest = std::max({a, b, c});
   return longest > 0 ? std::min({a, b, c}) / longest : 0.0f;
 }
 
 /// Of a triangle whose longest edge is 1.5 times its shortest.
-inline constexpr float kLeastEquality = 1 / 2.25f;
+inline constexpr float kLeastSquaredEdgeRatio = 1 / 2.25f;
 
 /// Least cosine of the angle between a triangle and the surface at its corners.
 inline constexpr float kLeastFacing = 0.5f;
@@ -38,23 +38,24 @@ inline constexpr float kMostSlope = 0.75f;
 
 /// Squared sine of a triangle's least angle, from its squared edge lengths and the squared norm of
 /// the cross product of two of its edges. 0 for a degenerate triangle.
-inline float least_sine(float a, float b, float c, float doubled_area) {
+inline float least_squared_sine(float a, float b, float c, float squared_cross) {
   const float longest_two = std::max({a * b, b * c, c * a});
-  return longest_two > 0 ? doubled_area / longest_two : 0.0f;
+  return longest_two > 0 ? squared_cross / longest_two : 0.0f;
 }
 
 /// Squared sine of the triangle's least angle.
-inline float least_sine(const SurfacePoint& a, const SurfacePoint& b, const SurfacePoint& c) {
+inline float least_squared_sine(const SurfacePoint& a, const SurfacePoint& b,
+                                const SurfacePoint& c) {
   const Vec3 ab = b.position - a.position, bc = c.position - b.position,
              ca = a.position - c.position;
-  return least_sine(squared_norm(ab), squared_norm(bc), squared_norm(ca),
-                    squared_norm(cross(ab, bc)));
+  return least_squared_sine(squared_norm(ab), squared_norm(bc), squared_norm(ca),
+                            squared_norm(cross(ab, bc)));
 }
 
 /// Of the triangle of the half-edge h.
-inline float least_sine(const PatchMesh& mesh, std::uint32_t h) {
-  return least_sine(mesh.points[mesh.origin(h)], mesh.points[mesh.target(h)],
-                    mesh.points[mesh.apex(h)]);
+inline float least_squared_sine(const PatchMesh& mesh, std::uint32_t h) {
+  return least_squared_sine(mesh.points[mesh.origin(h)], mesh.points[mesh.target(h)],
+                            mesh.points[mesh.apex(h)]);
 }
 
 /// Squared sine of the triangle's least angle. Where it does not face as the surface at one of its
@@ -64,12 +65,12 @@ inline float triangle_quality(const SurfacePoint& a, const SurfacePoint& b, cons
   const Vec3 ab = b.position - a.position, bc = c.position - b.position,
              ca = a.position - c.position;
   const Vec3 normal = cross(ab, bc);
-  const float area = squared_norm(normal);
+  const float squared_cross = squared_norm(normal);
   const float facing =
       std::min({dot(normal, a.normal), dot(normal, b.normal), dot(normal, c.normal)});
-  if (!(facing > 0 && facing * facing >= least_facing * least_facing * area))
-    return area > 0 ? facing / std::sqrt(area) - 1 : -2;
-  return least_sine(squared_norm(ab), squared_norm(bc), squared_norm(ca), area);
+  if (!(facing > 0 && facing * facing >= least_facing * least_facing * squared_cross))
+    return squared_cross > 0 ? facing / std::sqrt(squared_cross) - 1 : -2;
+  return least_squared_sine(squared_norm(ab), squared_norm(bc), squared_norm(ca), squared_cross);
 }
 
 /// Whether the edge between two points follows the surface.

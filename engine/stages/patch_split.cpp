@@ -45,7 +45,8 @@ bool splits_well(const PatchMesh& mesh, std::uint32_t h, const SurfacePoint& poi
     const SurfacePoint& p = mesh.points[mesh.origin(g)];
     const SurfacePoint& q = mesh.points[mesh.target(g)];
     const SurfacePoint& c = mesh.points[mesh.apex(g)];
-    return triangle_quality(p, point, c) >= kSine10 && triangle_quality(point, q, c) >= kSine10;
+    return triangle_quality(p, point, c) >= kSquaredSine10 &&
+           triangle_quality(point, q, c) >= kSquaredSine10;
   };
   const std::uint32_t t = mesh.twin(h);
   return side(h) && (t == PatchMesh::kNone || side(t));

@@ -45,7 +45,7 @@ void smooth_off_field(PatchMesh& mesh, const RemeshGoal& goal) {
     mesh.take_turn();
     mesh.points[v].normal = fan_normal(mesh, v);
     SurfacePoint moved = mesh.points[v];
-    const float limit = std::min(kSine25, facing_fan_quality(mesh, v));
+    const float limit = std::min(kSquaredSine25, facing_fan_quality(mesh, v));
     if (put_onto_surface(goal, kSmoothingReach, moved) && may_move(mesh, v, moved, limit) &&
         clearance.move_if_clear(mesh, v, moved))
       continue;
@@ -99,7 +99,7 @@ bool find_fit(const PatchMesh& mesh, std::uint32_t v, float move, SurfacePoint& 
   move = std::clamp(move, -most, most);
   if (!(move * move >= kLeastMove * kLeastMove)) return false;
   moved.position = moved.position + move * moved.normal;
-  return may_move(mesh, v, moved, std::min(kSine25, facing_fan_quality(mesh, v)));
+  return may_move(mesh, v, moved, std::min(kSquaredSine25, facing_fan_quality(mesh, v)));
 }
 
 PlaceView places_of(const RemeshGoal& goal) {

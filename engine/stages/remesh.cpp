@@ -8,8 +8,6 @@
 #include "stages/patch_passes.h"
 #include "stages/patch_rules.h"
 #include "stages/relax.h"
-#include "stages/triangle_tree.h"
-#include "types/mesh_vertex.h"
 
 namespace vasamesh {
 
@@ -38,7 +36,8 @@ void run_rounds(Backend& backend, const RemeshGoal& goal, int rounds, int repair
     });
     relaxer.smooth(parts, 2);
     if (round >= rounds - repaired)
-      for_each_part(backend, parts, [&](PatchMesh& part) { repair(part, goal, kSine20, 4); });
+      for_each_part(backend, parts,
+                    [&](PatchMesh& part) { repair(part, goal, kSquaredSine20, 4); });
     blocks.join();
   }
 }
@@ -79,18 +78,6 @@ TriangleMesh remesh_places(Backend& backend, const FieldView& field, const SizeV
   run_rounds(backend, goal, kPlaceRounds, kRepairedRounds, surface);
   finish(backend, goal, surface);
   return make_mesh(backend, surface);
-}
-
-std::vector<Vec3> centres_of(const TriangleMesh& mesh, std::span<const TrianglePair> pairs) {
-  std::vector<Vec3> centres;
-  for (const TrianglePair& pair : pairs) {
-    Vec3 centre;
-    for (std::uint32_t t : {pair.first, pair.second})
-      for (std::size_t i = 0; i < 3; ++i)
-        centre = centre + (1.0f / 6) * vertex_at(mesh, mesh.triangles[3 * std::size_t{t} + i]);
-    centres.push_back(centre);
-  }
-  return centres;
 }
 
 }  // namespace vasamesh

@@ -9,12 +9,9 @@
 /// Botsch, Kobbelt: A remeshing approach to multiresolution modeling, 2004; Dunyach, Vanderhaeghe,
 /// Barthe, Botsch: Adaptive remeshing for real-time mesh deformation, 2013.
 
-#include <cstdint>
 #include <span>
-#include <vector>
 
 #include "backend/backend.h"
-#include "stages/intersect.h"
 #include "stages/patch_passes.h"
 #include "types/indicator_field.h"
 #include "types/sizes.h"
@@ -39,8 +36,5 @@ TriangleMesh remesh_patches(Backend& backend, const FieldView& field, const Size
 /// \param mesh  as for remesh().
 TriangleMesh remesh_places(Backend& backend, const FieldView& field, const SizeView& sizes,
                            const TriangleMesh& mesh, std::span<const CarefulPlace> places);
-
-/// The middles of the pairs' six corners.
-std::vector<Vec3> centres_of(const TriangleMesh& mesh, std::span<const TrianglePair> pairs);
 
 }  // namespace vasamesh

@@ -81,9 +81,11 @@ Vec3 middle_of(const Vec3& a, const Vec3& b, const Vec3& c) { return (1.0f / 3) 
 /// Finds the triangles with angles below 20 degrees.
 void find_poor_triangles(const TriangleMesh& mesh, Faults& faults) {
   for_each_triangle(mesh, [&](const Vec3& a, const Vec3& b, const Vec3& c) {
-    const float sine = least_sine(squared_norm(b - a), squared_norm(c - b), squared_norm(a - c),
-                                  squared_norm(cross(b - a, c - a)));
-    if (sine < kSine20) (sine < kSine10 ? faults.sharp : faults.poor).push_back(middle_of(a, b, c));
+    const float squared_sine =
+        least_squared_sine(squared_norm(b - a), squared_norm(c - b), squared_norm(a - c),
+                           squared_norm(cross(b - a, c - a)));
+    if (squared_sine < kSquaredSine20)
+      (squared_sine < kSquaredSine10 ? faults.sharp : faults.poor).push_back(middle_of(a, b, c));
   });
 }
 
@@ -92,7 +94,7 @@ void find_poor_triangles(const TriangleMesh& mesh, Faults& faults) {
 std::vector<Vec3> uneven_triangles(const TriangleMesh& mesh, const Places& within) {
   std::vector<Vec3> middles;
   for_each_triangle(mesh, [&](const Vec3& a, const Vec3& b, const Vec3& c) {
-    if (edge_equality(a, b, c) >= kLeastEquality) return;
+    if (squared_edge_ratio(a, b, c) >= kLeastSquaredEdgeRatio) return;
     const Vec3 middle = middle_of(a, b, c);
     if (within.empty() || within.hold(middle)) middles.push_back(middle);
   });

@@ -12,6 +12,7 @@
 #include "stages/normals.h"
 #include "stages/patch_rules.h"
 #include "stages/places.h"
+#include "stages/separating_planes.h"
 #include "stages/sizing.h"
 #include "types/front.h"
 #include "types/lattice.h"
@@ -64,8 +65,10 @@ std::string kernel_constants() {
          define("NORMALS_AGAINST_FACES", kAgainstFaces) + define("NORMALS_SPAN", kMaxGradientSpan) +
          define("NORMALS_FRACTIONS", kFractions) + define("NORMALS_SWEEPS", kJacobiSweeps) +
          define("SIZING_REACH", kSampleReach) + define("SIZING_STEPS", kSampleSteps) +
-         define("SIZING_LARGEST_RADIUS", kLargestRadius) + define("RELAX_SINE25", kSine25) +
-         define("RELAX_SINE40", kSine40) + define("RELAX_LEAST_FACING", kLeastFacing) +
+         define("SIZING_LARGEST_RADIUS", kLargestRadius) +
+         define("RELAX_SQUARED_SINE25", kSquaredSine25) +
+         define("RELAX_SQUARED_SINE40", kSquaredSine40) +
+         define("RELAX_LEAST_FACING", kLeastFacing) +
          define("RELAX_LENGTH_FACTOR", RemeshGoal::kLengthFactor) +
          define("RELAX_LEAST_SLOPE", kLeastSlope) +
          define("RELAX_LEAST_AGREEMENT", kLeastAgreement) +
@@ -75,9 +78,9 @@ std::string kernel_constants() {
          define("RELAX_GAP_STEPS", kGapSteps) + define("RELAX_LARGEST_STEP", kLargestStep) +
          define("RELAX_ENOUGH_EQUALITY", kEnoughEquality) +
          define("RELAX_PLACE_INVERSE_SIDE", Places::kInverseSide) +
-         define("VERIFY_DOT_ERROR", kDotError) +
-         define("VERIFY_DETERMINANT_ERROR", kDeterminantError) +
-         define("VERIFY_CROSS_DOT_ERROR", kCrossDotError) +
+         define("VERIFY_DOT_ERROR", kDotError<float>) +
+         define("VERIFY_DETERMINANT_ERROR", kDeterminantError<float>) +
+         define("VERIFY_CROSS_DOT_ERROR", kCrossDotError<float>) +
          define("VERIFY_LEAST_EXTENT", kLeastExtent) + define("VERIFY_MOST_EXTENT", kMostExtent) +
          expand_constants();
 }

@@ -42,7 +42,7 @@ bool smooth_one(PatchMesh& mesh, const RemeshGoal& goal, std::uint32_t v) {
   Vec3 step = mesh.is_border(v) ? along_border(mesh, v) : to_centre(mesh, v);
   step = step - dot(step, old.normal) * old.normal;
   if (norm(step) > 0.5f * old.size) step = (0.5f * old.size / norm(step)) * step;
-  const float limit = std::min(kSine25, facing_fan_quality(mesh, v));
+  const float limit = std::min(kSquaredSine25, facing_fan_quality(mesh, v));
   for (float part : {1.0f, 0.5f}) {
     SurfacePoint moved = old;
     moved.position = old.position + part * step;
@@ -83,7 +83,8 @@ bool equalise_one(PatchMesh& mesh, const RemeshGoal& goal, std::uint32_t v, bool
   if (moved.position == old.position) return false;
   if (onto && !put_onto_surface(goal, 0.1f, moved)) return false;
   if (!(equality(mesh, v, moved.position) > equality(mesh, v, old.position))) return false;
-  if (!may_move(mesh, v, moved, std::min(kSine40, facing_fan_quality(mesh, v)))) return false;
+  if (!may_move(mesh, v, moved, std::min(kSquaredSine40, facing_fan_quality(mesh, v))))
+    return false;
   mesh.points[v] = moved;
   return true;
 }
