@@ -196,9 +196,13 @@ DeviceWorth worth_of(const DeviceInfo& device, const std::shared_ptr<Backend>& h
   const int index = device.opencl_index;
   const std::string beside = name_of(*host);
   std::optional<std::uint32_t> stages = load_stages(index, {}, beside);
+  if (stages == kTrialBegun)
+    return {0, device.name +
+                   " was not tried to the end, or is being tried: try it with vasamesh tune, or "
+                   "name the device"};
   if (!stages) {
     // First of all, so that a driver that takes the program down does so once.
-    if (!store_stages(index, {}, beside, 0))
+    if (!store_stages(index, {}, beside, kTrialBegun))
       return {0, device.name +
                      " was not tried, since the cache folder cannot be written: make it one that "
                      "can, or name the device"};

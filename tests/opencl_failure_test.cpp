@@ -238,6 +238,20 @@ TEST_F(OpenClFailure, DeviceThatFailsItsTrialIsTriedOnce) {
   for (const failing::Call& call : failing::calls()) EXPECT_NE(call.function, "clCreateContext");
 }
 
+TEST_F(OpenClFailure, DeviceWhoseTrialWasCutShortIsNotTriedAgain) {
+  const Scratch folder;
+  const Variable cache("XDG_CACHE_HOME", folder / "cache");
+  const DeviceInfo device = list_devices()[1];
+  const std::shared_ptr<Backend> host = make_tbb_backend(2, nullptr);
+  ASSERT_TRUE(
+      store_stages(device.opencl_index, {}, processor_name() + ", " + host->device(), kTrialBegun));
+  failing::reset();
+  const DeviceWorth worth = worth_of(device, host, nullptr);
+  EXPECT_EQ(worth.stages, 0u);
+  EXPECT_NE(worth.reason.find("not tried to the end"), std::string::npos) << worth.reason;
+  for (const failing::Call& call : failing::calls()) EXPECT_NE(call.function, "clCreateContext");
+}
+
 TEST_F(OpenClFailure, DeviceIsNotTriedWhereNothingCanBeRemembered) {
   const Variable cache("XDG_CACHE_HOME", "/proc/none");
   const DeviceInfo device = list_devices()[1];

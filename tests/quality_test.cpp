@@ -26,6 +26,9 @@ TEST(Quality, UnitBox) {
   EXPECT_NEAR(q.edge_ratio.deviation, 0, 1e-6);
   EXPECT_NEAR(q.least_angle.minimum, 45, 1e-5);
   EXPECT_NEAR(q.least_angle.maximum, 45, 1e-5);
+  EXPECT_EQ(q.edge_length.minimum, 1);
+  EXPECT_NEAR(q.edge_length.mean, (12 + 6 * std::sqrt(2.0)) / 18, 1e-6);
+  EXPECT_NEAR(q.edge_length.maximum, std::sqrt(2.0), 1e-6);
   EXPECT_EQ(q.size_ratio.mean, 1);
   EXPECT_DOUBLE_EQ(q.area, 6);
   EXPECT_DOUBLE_EQ(q.volume, 1);
@@ -57,6 +60,8 @@ TEST(Quality, SizeRatioOfNeighbours) {
   const double wanted = (4 + std::sqrt(10.0)) / (2 + std::sqrt(2.0));
   EXPECT_NEAR(q.size_ratio.minimum, wanted, 1e-6);
   EXPECT_NEAR(q.size_ratio.maximum, wanted, 1e-6);
+  EXPECT_EQ(q.edge_length.minimum, 1);
+  EXPECT_EQ(q.edge_length.maximum, 1);
   EXPECT_EQ(q.edge_ratio_below_03, 0);
   EXPECT_NEAR(q.edge_ratio.minimum, 1 / std::sqrt(10.0), 1e-6);
   EXPECT_DOUBLE_EQ(q.edges_within_15, 4.0 / 6);  // all pairs but 1 with 3 and sqrt 10

@@ -87,6 +87,7 @@ double fraction(std::size_t count, std::size_t of) {
 
 /// Of the edges that two triangles share.
 struct EdgeFigures {
+  std::vector<float> length;      ///< mm
   std::vector<float> size_ratio;  ///< longer / shorter mean edge of the two
   std::vector<float> dihedral;    ///< the angle between them, degrees
 };
@@ -99,6 +100,9 @@ EdgeFigures edge_figures(Backend& backend, const TriangleMesh& mesh,
     for (std::size_t v = begin; v < end; ++v)
       for_each_shared_edge_up(
           mesh, corners, static_cast<std::uint32_t>(v), [&](std::uint32_t c, std::uint32_t d) {
+            const std::uint32_t w = mesh.triangles[c / 3 * 3 + (c + 1) % 3];
+            const Vec3d along = vertex(mesh, w) - vertex(mesh, static_cast<std::uint32_t>(v));
+            figures.length.push_back(static_cast<float>(std::sqrt(dot(along, along))));
             const float a = mean_edge[c / 3], b = mean_edge[d / 3];
             figures.size_ratio.push_back(a == b ? 1 : std::max(a, b) / std::min(a, b));
             figures.dihedral.push_back(static_cast<float>(
@@ -108,6 +112,7 @@ EdgeFigures edge_figures(Backend& backend, const TriangleMesh& mesh,
   };
   EdgeFigures all;
   for (const EdgeFigures& part : map_ranges(backend, mesh.vertex_count(), kGrain, measure)) {
+    append_in_steps<float>(backend, part.length, all.length);
     append_in_steps<float>(backend, part.size_ratio, all.size_ratio);
     append_in_steps<float>(backend, part.dihedral, all.dihedral);
   }
@@ -250,11 +255,12 @@ QualityReport measure_quality(Backend& backend, const TriangleMesh& mesh) {
   const EdgeFigures edges = edge_figures(backend, mesh, shapes.mean_edge);
   in_steps(backend, edges.dihedral.size(),
            [&](std::size_t e) { report.sharp_edges += edges.dihedral[e] < kSharp; });
-  backend.run(4, [&](std::size_t figure) {
+  backend.run(5, [&](std::size_t figure) {
     if (figure == 0) report.edge_ratio = describe(backend, shapes.edge_ratio);
     if (figure == 1) report.least_angle = describe(backend, shapes.least_angle);
     if (figure == 2) report.size_ratio = describe(backend, edges.size_ratio);
     if (figure == 3) report.dihedral_angle = describe(backend, edges.dihedral);
+    if (figure == 4) report.edge_length = describe(backend, edges.length);
   });
   return report;
 }

@@ -15,7 +15,7 @@
 namespace vasamesh {
 
 /// Figures of a surface whose vertices are finite. Percentiles are exact (nearest rank); a figure
-/// of no triangles is 0. Size ratios and dihedral angles are taken over the edges that two
+/// of no triangles is 0. Lengths, size ratios and dihedral angles are taken over the edges that two
 /// triangles share.
 QualityReport measure_quality(Backend& backend, const TriangleMesh& mesh);
 

@@ -23,6 +23,8 @@
 #include "stages/topology_count.h"
 #include "stages/verify.h"
 #include "stages/volume_check.h"
+#include "types/box.h"
+#include "types/mesh_vertex.h"
 
 namespace vasamesh::cli {
 
@@ -130,6 +132,22 @@ void bring_together(const CheckRequest& request, const std::optional<Segmentatio
   }
 }
 
+Box box_round(const TriangleMesh& mesh) {
+  Box box;
+  for (std::size_t v = 0; v < mesh.vertex_count(); ++v) box.take_in(vertex_at(mesh, v));
+  return box;
+}
+
+/// Says so where a distance says nothing: the surfaces are not in one place.
+void warn_if_apart(const CheckRequest& request, const TriangleMesh& mesh,
+                   const TriangleMesh& reference) {
+  if (box_round(mesh).meets(box_round(reference))) return;
+  std::fprintf(stderr,
+               "vasamesh: %s and %s lie apart: if one is in another space, say so by --space\n",
+               request.surface.c_str(),
+               (request.reference.empty() ? request.volume : request.reference).c_str());
+}
+
 void write_map(Backend& backend, const CheckRequest& request, const PlacedSurface& surface,
                const PrincipalCurvatures& curvatures) {
   TriangleShapes shapes = triangle_shapes(backend, surface.mesh);
@@ -177,6 +195,7 @@ Examination examine(const CheckRequest& request) {
   if (!request.map.empty()) write_map(backend, request, surface, curvatures);
   if (auto reference = reference_surface(request, *surface.space, volume)) {
     bring_together(request, volume, surface, *reference);
+    warn_if_apart(request, mesh, reference->mesh);
     const std::size_t triangles = reference->mesh.triangle_count();
     const double voxel =
         volume ? voxel_length(volume->geometry)

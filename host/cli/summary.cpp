@@ -134,8 +134,12 @@ void print_conversion(const std::string& input, const std::string& output, const
   fmt::print("{:<10}{}, as the segmentation{}; closed, manifold, outward, no self-intersection\n",
              "Proof", describe(report.check.topology), describe_closed(report.relabel));
   if (report.parameters.surface == SurfaceKind::adaptive) print_mesh(report.mesh);
-  fmt::print("{:<10}edge ratio {:.2f}, least angle {:.0f} degrees on average\n", "Quality",
-             report.quality.edge_ratio.mean, report.quality.least_angle.mean);
+  const QualityReport& quality = report.quality;
+  fmt::print(
+      "{:<10}edge ratio {:.2f}, least angle {:.0f} degrees on average; edges of {:.3g} to {:.3g} "
+      "mm\n",
+      "Quality", quality.edge_ratio.mean, quality.least_angle.mean, quality.edge_length.minimum,
+      quality.edge_length.maximum);
   print_far_points(report);
   print_devices(report.stages);
   print_times(report.stages);
@@ -165,6 +169,7 @@ void print_check(const std::string& surface, const CheckReport& check,
              100 * quality.edge_ratio_above_08, 100 * quality.edge_ratio_below_03,
              100 * quality.edge_ratio_below_01);
   print_distribution("least angle, degrees", quality.least_angle);
+  print_distribution("edge length, mm", quality.edge_length);
   print_distribution("size ratio of neighbours", quality.size_ratio);
   print_distribution("dihedral angle, degrees", quality.dihedral_angle);
   print_row("edges below 60 degrees", quality.sharp_edges);

@@ -159,6 +159,7 @@ Json to_json(const QualityReport& quality) {
   out["edge_ratio_below_01"] = quality.edge_ratio_below_01;
   out["edges_within_15"] = quality.edges_within_15;
   out["least_angle"] = to_json(quality.least_angle);
+  out["edge_length"] = to_json(quality.edge_length);
   out["size_ratio"] = to_json(quality.size_ratio);
   out["dihedral_angle"] = to_json(quality.dihedral_angle);
   out["sharp_edges"] = quality.sharp_edges;

@@ -69,6 +69,11 @@ Work examine_mesh_work(double vertices, double triangles) {
   return {mesh_bytes(vertices, triangles), triangles * kTriangleOperations};
 }
 
+/// Of passes over a mesh whose operations depend on what they find: that it is read and written.
+Work remake_work(double vertices, double triangles) {
+  return {2 * mesh_bytes(vertices, triangles), 0};
+}
+
 Work stage_work(const std::string& stage, const Report& report) {
   const Counts n(report);
   const std::map<std::string, std::function<Work()>> stages = {
@@ -79,6 +84,26 @@ Work stage_work(const std::string& stage, const Report& report) {
       {"poisson", [&] { return solve_work(n.cell_iterations) + isovalue_work(n.cells, n.points); }},
       {"topology", [&] { return label_work(n.cells, n.nodes) + relabel_work(n.nodes, n.passes); }},
       {"surface", [&] { return surface_work(n.nodes, n.vertices, n.triangles); }},
+      {"sizes",
+       [&] {
+         return Work{n.nodes * kNodeBytes, 0};
+       }},
+      {"remesh",
+       [&] {
+         return remake_work(report.mesh.hard_share * n.vertices,
+                            report.mesh.hard_share * n.triangles);
+       }},
+      {"expand",
+       [&] {
+         return Work{n.nodes * kNodeBytes + 12.0 * static_cast<double>(report.mesh.front_triangles),
+                     0};
+       }},
+      {"stitch",
+       [&] {
+         return Work{12.0 * static_cast<double>(report.mesh.gap_triangles), 0};
+       }},
+      {"finish", [&] { return remake_work(n.vertices, n.triangles); }},
+      {"settle", [&] { return remake_work(n.vertices, n.triangles); }},
       {"check", [&] { return examine_mesh_work(n.vertices, n.triangles); }},
       {"quality", [&] { return examine_mesh_work(n.vertices, n.triangles); }}};
   const auto found = stages.find(stage);

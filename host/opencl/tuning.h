@@ -18,6 +18,10 @@ namespace vasamesh {
 /// no others); for each, groups of 32 to 256 items over elements.
 std::vector<WorkShape> shapes_to_try();
 
+/// Kept as its stages while a device is tried, and left where the trial was cut short; bit_of no
+/// stage.
+inline constexpr std::uint32_t kTrialBegun = std::uint32_t{1} << 31;
+
 /// \param device  an opencl_index. \param cache_folder  as of OpenClOptions.
 /// \return of those that store: whether it could be kept.
 /// \throws DeviceFailure where the device does not answer.
