@@ -5,7 +5,6 @@
 #include <cmath>
 #include <string>
 
-#include "stages/polygonize.h"
 #include "vasamesh/errors.h"
 
 namespace vasamesh {
@@ -16,15 +15,25 @@ namespace {
   throw Error(ErrorCode::usage, std::string(option) + " is out of its range: give " + range);
 }
 
-/// The value in as few digits as tell it, and whether nobody chose it.
-std::string number(double value, double standard) {
+/// The value in as few digits as tell it.
+std::string number(double value) {
   std::array<char, 32> text;
-  char* const end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
-  return std::string(text.data(), end) + (value == standard ? " (the default)" : "");
+  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr};
+}
+
+/// And whether nobody chose it.
+std::string number(double value, double standard) {
+  return number(value) + (value == standard ? " (the default)" : "");
 }
 
 bool within(double value, double least, double most) {
   return std::isfinite(value) && value >= least && value <= most;
+}
+
+void check_edge(const char* option, double length) {
+  constexpr double kLeast = EdgeLengths::kLeastEdge, kMost = EdgeLengths::kLongestEdge;
+  if (!within(length, kLeast, kMost))
+    out_of_range(option, number(kLeast) + " to " + number(kMost) + " voxels");
 }
 
 void validate(const EdgeLengths& e) {
@@ -37,10 +46,8 @@ void validate(const EdgeLengths& e) {
     out_of_range("--chord-error", "0.001 to 1 voxel (0: by rho)");
   if (e.triangles < 0 || e.triangles > kMostTriangles)
     out_of_range("--triangles", "how many are wanted, up to 1,000,000,000 (0: by rho)");
-  if (!within(e.edge_min, kLeastEdge, kLongestEdge))
-    out_of_range("--edge-min", "0.1 to 100 voxels");
-  if (!within(e.edge_max, kLeastEdge, kLongestEdge))
-    out_of_range("--edge-max", "0.1 to 100 voxels");
+  check_edge("--edge-min", e.edge_min);
+  check_edge("--edge-max", e.edge_max);
   if (e.edge_min > e.edge_max)
     throw Error(ErrorCode::usage, "--edge-min " + number(e.edge_min, EdgeLengths{}.edge_min) +
                                       " is above --edge-max " +

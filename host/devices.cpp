@@ -8,13 +8,11 @@
 
 #include "backend/backend.h"
 #include "device_choice.h"
+#include "opencl/backend.h"
 #include "tbb/backend.h"
+#include "tune.h"
 #include "vasamesh/errors.h"
 #include "vasamesh/host.h"
-#ifdef VASAMESH_WITH_OPENCL
-#include "opencl/backend.h"
-#include "tune.h"
-#endif
 
 namespace vasamesh {
 
@@ -59,7 +57,6 @@ DeviceInfo device_for(const ContextOptions& options) {
   return options.backend == "opencl" ? devices_of("opencl")[0] : describe_cpu();
 }
 
-#ifdef VASAMESH_WITH_OPENCL
 std::shared_ptr<Backend> open_opencl(int device, std::uint32_t stages,
                                      std::shared_ptr<Backend> workers,
                                      std::shared_ptr<ByteAccount> total,
@@ -72,23 +69,6 @@ std::shared_ptr<Backend> open_opencl(int device, std::uint32_t stages,
   options.cancel = cancel;
   return make_opencl_backend(options);
 }
-
-#else
-std::vector<DeviceInfo> list_opencl_devices() { return {}; }
-
-std::shared_ptr<Backend> open_opencl(int, std::uint32_t, std::shared_ptr<Backend>,
-                                     std::shared_ptr<ByteAccount>, const std::atomic<bool>*) {
-  throw Error(ErrorCode::no_device, "this build has no OpenCL backend: use --backend tbb");
-}
-
-struct DeviceWorth {
-  std::uint32_t stages = 0;
-  std::string reason;
-};
-DeviceWorth worth_of(const DeviceInfo&, const std::shared_ptr<Backend>&, const std::atomic<bool>*) {
-  return {};
-}
-#endif
 
 bool device_named(const ContextOptions& options) {
   const char* variable = std::getenv(kDeviceVariable);
@@ -115,7 +95,7 @@ void add_worthy(Context& context, const std::shared_ptr<Backend>& host,
       const DeviceWorth worth = worth_of(device, host, context.cancel);
       if (worth.stages) {
         context.backends.push_back(
-            open_opencl(device.number - 1, worth.stages, host, total, context.cancel));
+            open_opencl(device.opencl_index, worth.stages, host, total, context.cancel));
         context.host_reason.clear();
         return;
       }
@@ -131,10 +111,7 @@ void add_worthy(Context& context, const std::shared_ptr<Backend>& host,
 
 std::vector<DeviceInfo> list_devices() {
   std::vector<DeviceInfo> devices{describe_cpu()};
-  for (DeviceInfo& device : list_opencl_devices()) {
-    ++device.number;
-    devices.push_back(std::move(device));
-  }
+  for (DeviceInfo& device : list_opencl_devices()) devices.push_back(std::move(device));
   return devices;
 }
 
@@ -152,7 +129,7 @@ Context make_context(const ContextOptions& options) {
   const auto host = make_tbb_backend(options.threads, options.task_arena, total);
   if (device.backend == "opencl")
     context.backends.push_back(
-        open_opencl(device.number - 1, ~std::uint32_t{0}, host, total, options.cancel));
+        open_opencl(device.opencl_index, kAllStages, host, total, options.cancel));
   else if (options.backend == "auto" && !device_named(options))
     add_worthy(context, host, total);
   context.backends.push_back(host);

@@ -8,6 +8,7 @@
 
 #include "backend/backend.h"
 #include "opencl/backend.h"
+#include "opencl/tuning.h"
 #include "tbb/backend.h"
 #include "vasamesh/errors.h"
 #include "vasamesh/pipeline.h"
@@ -54,7 +55,7 @@ std::string name_of(const Backend& host) { return processor_name() + ", " + host
 class Tuner {
  public:
   Tuner(const DeviceInfo& device, std::shared_ptr<Backend> host, const std::atomic<bool>* cancel)
-      : device_(device.number - 1), host_(std::move(host)), cancel_(cancel), voxels_(torus()) {
+      : device_(device.opencl_index), host_(std::move(host)), cancel_(cancel), voxels_(torus()) {
     view_.data = voxels_.data();
     view_.geometry.size = {kSide, kSide, kSide};
   }
@@ -154,10 +155,10 @@ Tuner::Timed Tuner::timed(std::vector<std::shared_ptr<Backend>> backends) const 
 /// The stages in which a device beats the host; none where it cannot be told.
 std::uint32_t tried_stages(const DeviceInfo& device, const std::shared_ptr<Backend>& host,
                            const std::atomic<bool>* cancel) {
-  const int number = device.number - 1;
+  const int index = device.opencl_index;
   try {
     Tuner tuner(device, host, cancel);
-    tuner.attempt(load_shape(number, {}).value_or(usual_opencl_shape(number)), "usual");
+    tuner.attempt(load_shape(index, {}).value_or(usual_opencl_shape(index)), "usual");
     return tuner.stages();
   } catch (const Error& error) {
     if (error.code() == ErrorCode::cancelled) throw;
@@ -169,7 +170,7 @@ std::uint32_t tried_stages(const DeviceInfo& device, const std::shared_ptr<Backe
 
 TuneResult tune_device(const DeviceInfo& device, int threads,
                        const std::function<void(const TuneTrial&)>& tell) {
-  const int number = device.number - 1;
+  const int index = device.opencl_index;
   const std::shared_ptr<Backend> host = make_tbb_backend(threads, nullptr);
   Tuner tuner(device, host, nullptr);
   std::string failure = "other bytes";
@@ -178,36 +179,36 @@ TuneResult tune_device(const DeviceInfo& device, int threads,
     if (!trial.failure.empty()) failure = trial.failure;
     if (tell) tell(trial);
   };
-  const WorkShape usual = usual_opencl_shape(number);
+  const WorkShape usual = usual_opencl_shape(index);
   attempt(usual, "usual");
   for (const WorkShape& shape : shapes_to_try())
     if (shape != usual) attempt(shape, words(shape));
   if (!tuner.is_found())
     throw Error(ErrorCode::no_device, device.name + " gives other surfaces than oneTBB, or none (" +
                                           failure + "): use --backend tbb");
-  const bool is_kept = store_shape(number, {}, tuner.shape()) &&
-                       store_stages(number, {}, name_of(*host), tuner.stages());
+  const bool is_kept = store_shape(index, {}, tuner.shape()) &&
+                       store_stages(index, {}, name_of(*host), tuner.stages());
   return {tuner.best(), tuner.tbb_seconds(), tuner.stage_names(), is_kept};
 }
 
 DeviceWorth worth_of(const DeviceInfo& device, const std::shared_ptr<Backend>& host,
                      const std::atomic<bool>* cancel) {
-  const int number = device.number - 1;
+  const int index = device.opencl_index;
   const std::string beside = name_of(*host);
-  std::optional<std::uint32_t> stages = load_stages(number, {}, beside);
+  std::optional<std::uint32_t> stages = load_stages(index, {}, beside);
   if (!stages) {
     // First of all, so that a driver that takes the program down does so once.
-    if (!store_stages(number, {}, beside, 0))
+    if (!store_stages(index, {}, beside, 0))
       return {0, device.name +
                      " was not tried, since the cache folder cannot be written: make it one that "
                      "can, or name the device"};
     try {
       stages = tried_stages(device, host, cancel);
     } catch (const Error&) {
-      forget_stages(number, {}, beside);
+      forget_stages(index, {}, beside);
       throw;
     }
-    store_stages(number, {}, beside, *stages);
+    store_stages(index, {}, beside, *stages);
   }
   return {*stages, *stages ? "" : device.name + " was not faster than the processor in any stage"};
 }

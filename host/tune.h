@@ -2,7 +2,7 @@
 
 /// \file
 /// Trying out a device: which kernel shape is fastest, and in which stages it beats oneTBB. What is
-/// found is remembered (host/opencl/work_shape.h) and used from then on: the shape whenever the
+/// found is remembered (host/opencl/tuning.h) and used from then on: the shape whenever the
 /// device is opened, the stages by `--backend auto`. Results never depend on it.
 
 #include <atomic>

@@ -2,8 +2,6 @@
 /// Rounds of mesh expanding (engine/stages/expand_steps.h): who may propose, and what is added.
 /// Contract: engine/backend/backend.h.
 
-#define EXPAND_BLOCK 512  // corners of the list that a group takes
-
 // --- Choice. -------------------------------------------------------------------------------------
 
 /// Which corners go first: those that close, then the narrow ones.

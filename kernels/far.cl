@@ -9,7 +9,6 @@
 #define FAR_MISSING 0x80
 #define FAR_FACES 9     // face centres along each axis, from -1
 #define FAR_BESIDE 343  // offsets at most, beside a node
-#define FAR_ENOUGH 0.35f  // limits: a surface so near a face is near enough
 
 /// An offset in nodes, its length in voxel lengths, and whether an edge of the lattice leads there.
 typedef struct {

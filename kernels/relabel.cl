@@ -76,7 +76,7 @@ kernel __attribute__((BRICK_GROUP)) void relabel_collect(ulong bricks, VIEW(cons
 
 // --- Sweeps. ---------------------------------------------------------------------------------
 
-#define RELABEL_RUN (BRICK_CELLS / BRICK_ITEMS)  // listed nodes an item takes
+#define RELABEL_RUN (RELABEL_BLOCK / BRICK_ITEMS)  // listed nodes an item takes
 
 /// The labels of a node's 14 neighbours; a missing one takes part as outside.
 static uint relabel_link(global const int *neighbours, global const uchar *state, uint node) {
@@ -103,7 +103,7 @@ kernel __attribute__((BRICK_GROUP)) void relabel_sweep(
   TAKE(values);
   TAKE(nodes);
   TAKE(state);
-  const size_t first = get_group_id(0) * BRICK_CELLS + get_local_id(0) * RELABEL_RUN;
+  const size_t first = get_group_id(0) * RELABEL_BLOCK + get_local_id(0) * RELABEL_RUN;
   uint rest = 0;
   for (size_t i = first; i < min((ulong)first + RELABEL_RUN, count); ++i) {
     const uint node = nodes[i];
@@ -130,7 +130,7 @@ kernel __attribute__((BRICK_GROUP)) void relabel_compact(
   TAKE(state);
   TAKE(nodes);
   TAKE(left);
-  const size_t first = get_group_id(0) * BRICK_CELLS + get_local_id(0) * RELABEL_RUN;
+  const size_t first = get_group_id(0) * RELABEL_BLOCK + get_local_id(0) * RELABEL_RUN;
   const size_t end = min((ulong)first + RELABEL_RUN, count);
   uint rest = 0;
   for (size_t i = first; i < end; ++i) rest += relabel_is_wrong(state[nodes[i]], values[nodes[i]]);
@@ -269,7 +269,7 @@ static float relabel_occupancy(global const int *near, global const uchar *state
 /// for solid nodes that the smooth one would lose.
 static float relabel_solid_field(global const int *near, global const uchar *state, bool solid,
                                  int x, int y, int z, bool smooth, bool keep) {
-  const float least = 0.03f;
+  const float least = RELABEL_LEAST_OCCUPANCY;
   float field = relabel_occupancy(near, state, solid, x, y, z, smooth);
   if (!keep) return field;
   if (!solid) return -least < field ? -least : field;

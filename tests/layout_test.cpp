@@ -78,7 +78,7 @@ std::string check_library(const std::string& file, const std::string& target) {
       {{"tbb/", "oneapi/"}, {"host/"}},
       {{"CL/"}, {"host/opencl/"}},
       {{"itk", "gdcm"}, {"host/io/"}},
-      {{"vtk"}, {"host/io/", "host/phantom/", "host/picture/"}},
+      {{"vtk"}, {"host/io/", "host/phantom/", "host/picture/", "host/vtk_mesh."}},
       {{"fstream", "iostream", "cstdio", "stdio.h", "filesystem"}, {"host/"}},
   }};
   for (const Rule& rule : rules)

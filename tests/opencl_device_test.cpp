@@ -8,6 +8,7 @@
 #include "backend/backend.h"
 #include "device_choice.h"
 #include "opencl/backend.h"
+#include "opencl/tuning.h"
 #include "support/environment.h"
 #include "support/scratch.h"
 #include "vasamesh/errors.h"

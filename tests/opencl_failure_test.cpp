@@ -14,6 +14,7 @@
 
 #include "backend/backend.h"
 #include "opencl/backend.h"
+#include "opencl/tuning.h"
 #include "phantom/phantom.h"
 #include "support/environment.h"
 #include "support/failing_opencl.h"

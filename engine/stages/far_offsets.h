@@ -11,6 +11,8 @@
 
 namespace vasamesh {
 
+inline constexpr float kFarEnough = 0.35f;  ///< limits: a surface so near a face is near enough
+
 /// An offset in nodes and its length in voxel lengths.
 struct FarOffset {
   int x, y, z;

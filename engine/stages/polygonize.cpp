@@ -134,8 +134,8 @@ void Polygonizer::aim() {
     const double ratio = sizes_.predicted_triangles / triangles;
     if (std::fabs(ratio - 1) < 0.005) return;
     factor *= static_cast<float>(std::sqrt(ratio));
-    factor = std::clamp(factor, static_cast<float>(kLeastEdge) / asked_.edge_min,
-                        static_cast<float>(kLongestEdge) / asked_.edge_max);
+    factor = std::clamp(factor, static_cast<float>(EdgeLengths::kLeastEdge) / asked_.edge_min,
+                        static_cast<float>(EdgeLengths::kLongestEdge) / asked_.edge_max);
     rule_ = scaled(asked_, factor);
     apply_rule(sizing(), field_, base_, rule_, {}, sizes_);
   }

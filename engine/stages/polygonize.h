@@ -28,9 +28,6 @@
 
 namespace vasamesh {
 
-/// Edge lengths that may be asked for, or that a number of triangles may need, in voxel lengths.
-inline constexpr double kLeastEdge = 0.1, kLongestEdge = 100;
-
 /// What is to be done with a surface.
 enum class Verdict {
   take,  ///< nothing better is to be had

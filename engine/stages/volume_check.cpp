@@ -49,13 +49,6 @@ double farthest_coordinate(const Geometry& geometry) {
   return origin + std::sqrt(reach);
 }
 
-/// From a float32 to the next.
-double float_step(double value) {
-  using Limits = std::numeric_limits<float>;
-  const auto rounded = static_cast<float>(std::min(value, double{Limits::max()}));
-  return double{std::nextafter(rounded, Limits::infinity())} - rounded;
-}
-
 /// Of the smallest spacing, the most that float32 coordinates are apart.
 double coarsest_step(const Geometry& geometry) {
   return float_step(farthest_coordinate(geometry)) /
@@ -72,6 +65,12 @@ void check_resolution(const Geometry& geometry) {
 }
 
 }  // namespace
+
+double float_step(double value) {
+  using Limits = std::numeric_limits<float>;
+  const auto rounded = static_cast<float>(std::min(value, double{Limits::max()}));
+  return double{std::nextafter(rounded, Limits::infinity())} - rounded;
+}
 
 std::optional<GeometryFault> fault_of(const Geometry& geometry) {
   const std::string correct_spacing = "correct the spacing in its header (mm)";

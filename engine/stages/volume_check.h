@@ -32,6 +32,9 @@ void check_volume(const VolumeView& volume, Space space);
 /// then too small. Else empty.
 std::string far_out(const Geometry& geometry, Space space);
 
+/// From a value, at least zero and rounded to float32, to the next float32.
+double float_step(double value);
+
 /// \throws Error bad_input, when there are no or more than 2^20 voxels along an axis.
 void check_size(const Geometry& geometry);
 

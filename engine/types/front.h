@@ -48,6 +48,7 @@ struct FrontLimits {
   float off_surface = 0.2f;  ///< of a new edge's length: its middle from the zero set
 };
 
+inline constexpr int kCornerBlock = 512;     ///< corners of a list that a work-group takes
 inline constexpr int kMostNewVertices = 4;   ///< of a proposal, and of its new corners
 inline constexpr int kMostNewTriangles = 5;  ///< of a proposal
 

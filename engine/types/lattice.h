@@ -31,6 +31,11 @@ enum LatticeMark : std::uint8_t {
   kStuckMark = 2,  ///< its flip would change the topology, and is wanted or all but
 };
 
+inline constexpr int kNodeBlock = 512;  ///< nodes of a list that a work-group takes
+
+/// How far from zero, at least, the solid's field is at a node that keeps its label.
+inline constexpr float kLeastOccupancy = 0.03f;
+
 /// Voxels: what is narrower is led back to the segmentation (lattice_mark_narrow).
 struct LeastWidths {
   float across;  ///< lines and specks

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <limits>
 #include <optional>
 
 #include "cli/commands.h"
@@ -23,6 +22,7 @@
 #include "stages/quality.h"
 #include "stages/topology_count.h"
 #include "stages/verify.h"
+#include "stages/volume_check.h"
 
 namespace vasamesh::cli {
 
@@ -35,7 +35,7 @@ struct Examination {
   std::optional<DistanceReport> distance;
   std::size_t reference_triangles = 0;  ///< of the surface that the distance is to
   bool voxel_known = false;
-  float step = 0;  ///< mm from the largest coordinate to the next float32
+  double step = 0;  ///< mm from the largest coordinate to the next float32
 };
 
 /// From the space of the surface file to LPS.
@@ -65,18 +65,18 @@ double sampling_length(const QualityReport& quality, std::size_t triangles) {
   return std::sqrt(quality.area / static_cast<double>(triangles));
 }
 
-float step_at_farthest(const TriangleMesh& mesh) {
+float farthest_coordinate(const TriangleMesh& mesh) {
   float farthest = 0;
   for (const float coordinate : mesh.vertices) farthest = std::max(farthest, std::fabs(coordinate));
-  return std::nextafter(farthest, std::numeric_limits<float>::infinity()) - farthest;
+  return farthest;
 }
 
 /// What may be the reason where a surface far out fails, whose file may be finer than float32.
-std::string far_out(const Examination& result) {
+std::string rounding_reason(const Examination& result) {
   constexpr double kCoarse = 0.01;  // of a triangle
   const double side =
       sampling_length(result.quality, static_cast<std::size_t>(result.check.triangles));
-  if (!(double{result.step} > kCoarse * side)) return {};
+  if (!(result.step > kCoarse * side)) return {};
   return fmt::format(
       "; so far out float32 coordinates, to which it is rounded, are {:.2g} mm apart: move it "
       "nearer to the origin",
@@ -168,7 +168,7 @@ Examination examine(const CheckRequest& request) {
 
   Examination result;
   result.voxel_known = volume.has_value();
-  result.step = step_at_farthest(mesh);
+  result.step = float_step(farthest_coordinate(mesh));
   result.check = volume ? check_against(backend, surface, *volume, request)
                         : check_surface(backend, mesh, nullptr);
   result.quality = measure_quality(backend, mesh);
@@ -232,7 +232,7 @@ void run_check(const CheckRequest& request) {
   print(request, result);
   if (!result.check.passed)
     throw Error(ErrorCode::failed_check,
-                request.surface + ": " + result.check.reason + far_out(result));
+                request.surface + ": " + result.check.reason + rounding_reason(result));
 }
 
 }  // namespace vasamesh::cli

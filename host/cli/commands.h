@@ -50,8 +50,8 @@ struct PhantomRequest {
 struct BenchRequest {
   std::vector<std::string> inputs;
   std::vector<std::string> backends;  ///< empty: all that are here
-  std::string device;                 ///< number of an OpenCL device; empty: all
-  std::vector<int> threads;           ///< empty: 1, 2, 4 and so on
+  std::string device;        ///< OpenCL device: its number, type or a part of its name; empty: all
+  std::vector<int> threads;  ///< empty: 1, 2, 4 and so on
   int repeat = 3;
   bool json = false;
   ReadOptions read;

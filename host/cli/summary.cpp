@@ -3,8 +3,6 @@
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
-#include <algorithm>
-#include <cctype>
 #include <utility>
 #include <vector>
 
@@ -22,12 +20,6 @@ std::string describe(const Topology& topology) {
   return plural(topology.pieces, "piece", "pieces") + ", " +
          plural(topology.handles, "handle", "handles") + ", " +
          plural(topology.cavities, "cavity", "cavities");
-}
-
-std::string upper(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
-  return text;
 }
 
 /// What a user may want to look at in the segmentation, each with its first voxel.
@@ -131,7 +123,7 @@ void print_conversion(const std::string& input, const std::string& output, const
   print_findings(report.input);
   fmt::print("{:<10}{}: {} triangles, {} vertices, {}, mm\n", "Surface", output,
              report.check.triangles, report.check.vertices,
-             upper(space_name(report.parameters.space)));
+             upper_space_name(report.parameters.space));
   fmt::print("{:<10}{}, as the segmentation{}; closed, manifold, outward, no self-intersection\n",
              "Proof", describe(report.check.topology), describe_closed(report.relabel));
   if (report.parameters.surface == SurfaceKind::adaptive) print_mesh(report.mesh);

@@ -14,7 +14,6 @@ namespace vasamesh::cli {
 
 namespace {
 
-#ifdef VASAMESH_WITH_OPENCL
 void tune(const DeviceInfo& device, int threads) {
   fmt::print("{}: {}\n", device.number, device.name);
   const auto tell = [](const TuneTrial& trial) {
@@ -31,9 +30,6 @@ void tune(const DeviceInfo& device, int threads) {
              result.stages.empty() ? "nothing" : result.stages);
   if (!result.is_kept) fmt::print("  not remembered: the cache folder cannot be written\n");
 }
-#else
-void tune(const DeviceInfo&, int) {}
-#endif
 
 }  // namespace
 

@@ -1,17 +1,15 @@
 #include "io/marching_cubes.h"
 
-#include <vtkCellArray.h>
-#include <vtkCellArrayIterator.h>
 #include <vtkFlyingEdges3D.h>
 #include <vtkImageData.h>
 #include <vtkNew.h>
-#include <vtkPolyData.h>
-#include <vtkSmartPointer.h>
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include "vasamesh/errors.h"
+#include "vtk_mesh.h"
 
 namespace vasamesh {
 namespace {
@@ -79,26 +77,10 @@ bool mirrored(const std::array<double, 9>& d) {
          0;
 }
 
-void copy_vertices(vtkPolyData& surface, const Extent& extent, const Geometry& geometry,
-                   TriangleMesh& mesh) {
-  mesh.vertices.reserve(3 * surface.GetNumberOfPoints());
-  for (vtkIdType i = 0; i < surface.GetNumberOfPoints(); ++i) {
-    std::array<double, 3> p;
-    surface.GetPoint(i, p.data());
-    for (int a = 0; a < 3; ++a) p[a] += static_cast<double>(extent.first[a]);
-    for (double x : to_lps(geometry, p)) mesh.vertices.push_back(static_cast<float>(x));
-  }
-}
-
-void copy_triangles(vtkPolyData& surface, bool turn, TriangleMesh& mesh) {
-  mesh.triangles.reserve(3 * surface.GetNumberOfPolys());
-  vtkNew<vtkIdList> ids;
-  const auto cells = vtk::TakeSmartPointer(surface.GetPolys()->NewIterator());
-  for (cells->GoToFirstCell(); !cells->IsDoneWithTraversal(); cells->GoToNextCell()) {
-    cells->GetCurrentCell(ids);
-    for (int i : {0, turn ? 2 : 1, turn ? 1 : 2})
-      mesh.triangles.push_back(static_cast<std::uint32_t>(ids->GetId(i)));
-  }
+/// Turns every triangle round.
+void turn(std::vector<std::uint32_t>& triangles) {
+  for (std::size_t i = 0; i < triangles.size(); i += 3)
+    std::swap(triangles[i + 1], triangles[i + 2]);
 }
 
 }  // namespace
@@ -112,9 +94,13 @@ TriangleMesh marching_cubes(const Segmentation& segmentation) {
   filter->ComputeNormalsOff();
   filter->ComputeScalarsOff();
   filter->Update();
-  TriangleMesh mesh;
-  copy_vertices(*filter->GetOutput(), extent, segmentation.geometry, mesh);
-  copy_triangles(*filter->GetOutput(), mirrored(segmentation.geometry.direction), mesh);
+  const auto place = [&](VtkPoint voxel) {
+    for (std::size_t a = 0; a < 3; ++a) voxel[a] += static_cast<double>(extent.first[a]);
+    return to_lps(segmentation.geometry, voxel);
+  };
+  vtkPolyData& surface = *filter->GetOutput();
+  TriangleMesh mesh{vertices_of(surface, place), triangles_of(surface)};
+  if (mirrored(segmentation.geometry.direction)) turn(mesh.triangles);
   return mesh;
 }
 

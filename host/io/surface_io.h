@@ -61,7 +61,8 @@ void write_surface_map(const std::string& path, const TriangleMesh& mesh, Space 
 ///         or pipe of that name).
 void check_output_path(const std::string& path);
 
-/// "lps", "ras" or "voxel".
+/// "lps", "ras" or "voxel"; and as files name it: "LPS", "RAS" or "VOXEL".
 const char* space_name(Space space);
+std::string upper_space_name(Space space);
 
 }  // namespace vasamesh

@@ -1,11 +1,8 @@
-#include <vtkCellArray.h>
-#include <vtkCellArrayIterator.h>
 #include <vtkFieldData.h>
 #include <vtkLogger.h>
 #include <vtkNew.h>
 #include <vtkObjectFactory.h>
 #include <vtkOutputWindow.h>
-#include <vtkPolyData.h>
 #include <vtkPolyDataReader.h>
 #include <vtkStringArray.h>
 #include <vtkXMLPolyDataReader.h>
@@ -16,6 +13,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -30,6 +28,7 @@
 #include "io/surface_io.h"
 #include "io/trial.h"
 #include "lower_case.h"
+#include "vtk_mesh.h"
 
 namespace vasamesh {
 namespace {
@@ -93,18 +92,9 @@ vtkSmartPointer<vtkPolyData> read_poly_data(const std::string& path, const std::
   return try_reader<vtkPolyDataReader>(path);
 }
 
-void copy_vertices(const std::string& path, vtkPolyData& data, TriangleMesh& mesh) {
-  const vtkIdType count = data.GetNumberOfPoints();
-  if (count > std::numeric_limits<std::uint32_t>::max()) {
+void check_count(const std::string& path, vtkPolyData& data) {
+  if (data.GetNumberOfPoints() > std::numeric_limits<std::uint32_t>::max()) {
     throw_bad_input(path, "it has more than 2^32 - 1 vertices", "cut the surface");
-  }
-  mesh.vertices.resize(3 * static_cast<std::size_t>(count));
-  for (vtkIdType i = 0; i < count; ++i) {
-    std::array<double, 3> point;
-    data.GetPoint(i, point.data());
-    for (int axis = 0; axis < 3; ++axis) {
-      mesh.vertices[3 * i + axis] = static_cast<float>(point[axis]);
-    }
   }
 }
 
@@ -116,31 +106,23 @@ std::uint32_t corner_of(const std::string& path, vtkIdType corner) {
 }
 
 void append_polygons(const std::string& path, vtkCellArray& polygons, FannedMesh& surface) {
-  vtkIdType count = 0;
-  const vtkIdType* ids = nullptr;
   std::vector<std::uint32_t> corners;
-  const auto cell = vtk::TakeSmartPointer(polygons.NewIterator());
-  for (cell->GoToFirstCell(); !cell->IsDoneWithTraversal(); cell->GoToNextCell()) {
-    cell->GetCurrentCell(count, ids);
+  visit_cells(polygons, [&](std::span<const vtkIdType> polygon) {
     corners.clear();
-    for (vtkIdType i = 0; i < count; ++i) corners.push_back(corner_of(path, ids[i]));
+    for (const vtkIdType corner : polygon) corners.push_back(corner_of(path, corner));
     surface.append(corners);
-  }
+  });
 }
 
 void append_strips(const std::string& path, vtkCellArray& strips, FannedMesh& surface) {
-  vtkIdType count = 0;
-  const vtkIdType* corners = nullptr;
-  const auto cell = vtk::TakeSmartPointer(strips.NewIterator());
-  for (cell->GoToFirstCell(); !cell->IsDoneWithTraversal(); cell->GoToNextCell()) {
-    cell->GetCurrentCell(count, corners);
-    for (vtkIdType i = 2; i < count; ++i) {
-      const vtkIdType odd = i % 2;
+  visit_cells(strips, [&](std::span<const vtkIdType> corners) {
+    for (std::size_t i = 2; i < corners.size(); ++i) {
+      const std::size_t odd = i % 2;
       surface.append(std::array{corner_of(path, corners[i - 2]),
                                 corner_of(path, corners[i - 1 + odd]),
                                 corner_of(path, corners[i - odd])});
     }
-  }
+  });
 }
 
 std::uint64_t hash_vertex(const float* vertex) {
@@ -236,7 +218,8 @@ PlacedSurface read_placed_surface(const std::string& path) {
     surface = read_ply(path);
   } else {
     const vtkSmartPointer<vtkPolyData> data = read_poly_data(path, ending);
-    copy_vertices(path, *data, surface.mesh);
+    check_count(path, *data);
+    surface.mesh.vertices = vertices_of(*data);
     append_polygons(path, *data->GetPolys(), surface);
     append_strips(path, *data->GetStrips(), surface);
     if (ending == ".vtp") placed.space = space_in_fields(*data);

@@ -3,17 +3,12 @@
 /// as through VTK; VTK's OBJ has neither comments nor the digits that float32 needs.
 
 #include <fmt/format.h>
-#include <vtkCellArray.h>
 #include <vtkCellData.h>
 #include <vtkFieldData.h>
 #include <vtkFloatArray.h>
 #include <vtkNew.h>
 #include <vtkPointData.h>
-#include <vtkPoints.h>
-#include <vtkPolyData.h>
 #include <vtkStringArray.h>
-#include <vtkTypeInt32Array.h>
-#include <vtkTypeInt64Array.h>
 #include <vtkXMLPolyDataWriter.h>
 
 #include <algorithm>
@@ -29,6 +24,7 @@
 #include "io/file_ending.h"
 #include "io/io_error.h"
 #include "io/surface_io.h"
+#include "vtk_mesh.h"
 
 namespace vasamesh {
 namespace {
@@ -40,13 +36,6 @@ std::string surface_ending(const std::string& path) {
   if (!ending.empty()) return ending;
   throw Error(ErrorCode::usage,
               path + ": unknown ending of a surface; use .vtp, .stl, .ply or .obj");
-}
-
-std::string upper_space(Space space) {
-  std::string name = space_name(space);
-  std::transform(name.begin(), name.end(), name.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
-  return name;
 }
 
 std::array<float, 3> corner(const TriangleMesh& mesh, std::size_t triangle, int i) {
@@ -77,7 +66,7 @@ char* put(char* at, const T& value) {
 std::string encode_stl(const TriangleMesh& mesh, Space space) {
   constexpr std::size_t kHeader = 80, kRecord = 50;
   std::string bytes(kHeader + 4 + kRecord * mesh.triangle_count(), '\0');
-  const std::string text = "vasamesh SPACE=" + upper_space(space);
+  const std::string text = "vasamesh SPACE=" + upper_space_name(space);
   text.copy(bytes.data(), kHeader);
   char* at = put(bytes.data() + kHeader, static_cast<std::uint32_t>(mesh.triangle_count()));
   for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
@@ -93,7 +82,7 @@ std::string encode_ply(const TriangleMesh& mesh, Space space) {
       "ply\nformat binary_little_endian 1.0\ncomment vasamesh\ncomment SPACE={}\n"
       "element vertex {}\nproperty float x\nproperty float y\nproperty float z\n"
       "element face {}\nproperty list uchar {} vertex_indices\nend_header\n",
-      upper_space(space), mesh.vertex_count(), mesh.triangle_count(), wide ? "uint" : "int");
+      upper_space_name(space), mesh.vertex_count(), mesh.triangle_count(), wide ? "uint" : "int");
   const std::size_t vertex_bytes = mesh.vertices.size() * sizeof(float);
   std::string bytes(header.size() + vertex_bytes + 13 * mesh.triangle_count(), '\0');
   header.copy(bytes.data(), header.size());
@@ -111,7 +100,7 @@ std::string encode_ply(const TriangleMesh& mesh, Space space) {
 // The shortest decimals that read back as the same float32.
 std::string encode_obj(const TriangleMesh& mesh, Space space) {
   fmt::memory_buffer text;
-  fmt::format_to(std::back_inserter(text), "# vasamesh\n# SPACE={}\n", upper_space(space));
+  fmt::format_to(std::back_inserter(text), "# vasamesh\n# SPACE={}\n", upper_space_name(space));
   for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
     fmt::format_to(std::back_inserter(text), "v {} {} {}\n", mesh.vertices[3 * v],
                    mesh.vertices[3 * v + 1], mesh.vertices[3 * v + 2]);
@@ -124,38 +113,11 @@ std::string encode_obj(const TriangleMesh& mesh, Space space) {
   return fmt::to_string(text);
 }
 
-/// Offsets and corners of the triangles in arrays of the VTK type `Array`.
-template <class Array>
-void set_cells(const TriangleMesh& mesh, vtkCellArray& cells) {
-  vtkNew<Array> offsets, corners;
-  offsets->SetNumberOfValues(static_cast<vtkIdType>(mesh.triangle_count()) + 1);
-  for (vtkIdType i = 0; i < offsets->GetNumberOfValues(); ++i) {
-    offsets->SetValue(i, static_cast<typename Array::ValueType>(3 * i));
-  }
-  corners->SetNumberOfValues(static_cast<vtkIdType>(mesh.triangles.size()));
-  std::copy(mesh.triangles.begin(), mesh.triangles.end(), corners->GetPointer(0));
-  cells.SetData(offsets, corners);
-}
-
 vtkSmartPointer<vtkPolyData> poly_data(const TriangleMesh& mesh, Space space) {
-  vtkNew<vtkFloatArray> coordinates;
-  coordinates->SetNumberOfComponents(3);
-  coordinates->SetNumberOfTuples(static_cast<vtkIdType>(mesh.vertex_count()));
-  std::copy(mesh.vertices.begin(), mesh.vertices.end(), coordinates->GetPointer(0));
-  vtkNew<vtkPoints> points;
-  points->SetData(coordinates);
-  vtkNew<vtkCellArray> cells;
-  const bool wide = mesh.triangles.size() > std::numeric_limits<std::int32_t>::max();
-  if (wide)
-    set_cells<vtkTypeInt64Array>(mesh, *cells);
-  else
-    set_cells<vtkTypeInt32Array>(mesh, *cells);
   vtkNew<vtkStringArray> space_array;
   space_array->SetName("SPACE");
-  space_array->InsertNextValue(upper_space(space));
-  auto data = vtkSmartPointer<vtkPolyData>::New();
-  data->SetPoints(points);
-  data->SetPolys(cells);
+  space_array->InsertNextValue(upper_space_name(space));
+  vtkSmartPointer<vtkPolyData> data = to_vtk(mesh.vertices, mesh.triangles);
   data->GetFieldData()->AddArray(space_array);
   return data;
 }
@@ -198,6 +160,13 @@ const char* space_name(Space space) {
       return "voxel";
   }
   return "";
+}
+
+std::string upper_space_name(Space space) {
+  std::string name = space_name(space);
+  std::transform(name.begin(), name.end(), name.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+  return name;
 }
 
 void check_output_path(const std::string& path) {

@@ -12,12 +12,10 @@
 #include "device_choice.h"
 #include "measure/machine.h"
 #include "median.h"
+#include "opencl/speed.h"
 #include "tbb/backend.h"
 #include "vasamesh/errors.h"
 #include "vasamesh/pipeline.h"
-#ifdef VASAMESH_WITH_OPENCL
-#include "opencl/speed.h"
-#endif
 
 namespace vasamesh {
 
@@ -37,15 +35,6 @@ std::vector<int> usual_threads() {
   return threads;
 }
 
-#ifdef VASAMESH_WITH_OPENCL
-Speed speed_of(int number) {
-  const DeviceSpeed speed = measure_opencl_speed(number - 1);
-  return {speed.bandwidth, speed.arithmetic};
-}
-#else
-Speed speed_of(int) { return {}; }
-#endif
-
 BenchWay tbb_way(const DeviceInfo& cpu, int threads) {
   BenchWay way;
   way.context.backend = "tbb";
@@ -63,7 +52,8 @@ BenchWay opencl_way(const DeviceInfo& device) {
   way.context.device = std::to_string(device.number);
   way.name = "opencl " + way.context.device;
   way.device = device.name;
-  way.speed = speed_of(device.number);
+  const DeviceSpeed speed = measure_opencl_speed(device.opencl_index);
+  way.speed = {speed.bandwidth, speed.arithmetic};
   return way;
 }
 

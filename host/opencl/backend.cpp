@@ -9,6 +9,7 @@
 #include "backend/device_failure.h"
 #include "opencl/arithmetic.h"
 #include "opencl/opencl_backend.h"
+#include "opencl/tuning.h"
 
 namespace vasamesh {
 

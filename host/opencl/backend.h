@@ -17,6 +17,9 @@
 
 namespace vasamesh {
 
+constexpr std::uint32_t kAllStages = ~std::uint32_t{0};
+constexpr std::uint32_t bit_of(Stage stage) { return 1u << static_cast<unsigned>(stage); }
+
 /// How a kernel is cut into work-items. The arithmetic is the same for both.
 enum class KernelShape {
   by_device,   ///< as tuned, else one_item on a CPU, work_group elsewhere
@@ -32,7 +35,7 @@ enum class DeviceCopies {
 };
 
 struct OpenClOptions {
-  int device = 0;  ///< a number of list_opencl_devices()
+  int device = 0;  ///< an opencl_index of list_opencl_devices()
   KernelShape shape = KernelShape::by_device;
   std::optional<WorkShape> work_shape;  ///< instead of what `shape` says
   std::uint32_t stages = kAllStages;    ///< bit_of each Stage that it offers, of those with kernels
@@ -48,8 +51,9 @@ struct OpenClOptions {
   const std::atomic<bool>* cancel = nullptr;
 };
 
-/// The OpenCL devices of all platforms that are ready and have a compiler, numbered from 0 in the
-/// loader's order, where devices that are not leave gaps. Empty where there is no platform.
+/// The OpenCL devices of all platforms that are ready and have a compiler, in the loader's order,
+/// where devices that are not leave gaps of opencl_index and number. Empty where there is no
+/// platform.
 std::vector<DeviceInfo> list_opencl_devices();
 
 /// What a device gets that was not tuned.

@@ -6,6 +6,7 @@
 #include "stages/candidate_pairs.h"
 #include "stages/expand_rules.h"
 #include "stages/fan_moves.h"
+#include "stages/far_offsets.h"
 #include "stages/gradient_table.h"
 #include "stages/jacobi.h"
 #include "stages/normals.h"
@@ -33,7 +34,8 @@ std::string define(const char* name, float value) {
 
 std::string expand_constants() {
   using namespace expand_rules;
-  return define("EXPAND_PI", kPi) + define("EXPAND_MOST_VERTICES", kMostNewVertices) +
+  return define("EXPAND_PI", kPi) + define("EXPAND_BLOCK", kCornerBlock) +
+         define("EXPAND_MOST_VERTICES", kMostNewVertices) +
          define("EXPAND_LONGEST_EDGE", kLongestEdge) +
          define("EXPAND_SAME_SHEET", expand_rules::kSameSheet) + define("EXPAND_FACING", kFacing) +
          define("EXPAND_SHEET_OFFSET", kSheetOffset) + define("EXPAND_SHRINK", kShrink) +
@@ -54,8 +56,9 @@ std::string kernel_constants() {
   return define("THIN_PAD", kPad) + define("LATTICE_LABEL", kLabel) +
          define("LATTICE_SOLID", kSolid) + define("LATTICE_FREE", kFree) +
          define("LATTICE_FACE_CENTRE", kFaceCentre) + define("LATTICE_FAR_MARK", kFarMark) +
-         define("LATTICE_STUCK_MARK", kStuckMark) + define("NORMALS_REACH", kNeighbourReach) +
-         define("NORMALS_SAME_SHEET", kSameSheet) +
+         define("LATTICE_STUCK_MARK", kStuckMark) + define("RELABEL_BLOCK", kNodeBlock) +
+         define("RELABEL_LEAST_OCCUPANCY", kLeastOccupancy) + define("FAR_ENOUGH", kFarEnough) +
+         define("NORMALS_REACH", kNeighbourReach) + define("NORMALS_SAME_SHEET", kSameSheet) +
          define("NORMALS_TANGENT_WEIGHT", kTangentWeight) +
          define("NORMALS_NO_GRADIENT", kNoGradient) +
          define("NORMALS_AGAINST_FACES", kAgainstFaces) + define("NORMALS_SPAN", kMaxGradientSpan) +

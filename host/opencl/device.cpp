@@ -16,9 +16,10 @@ std::string type_of(cl_device_type type) {
   return type & CL_DEVICE_TYPE_CPU ? "cpu" : "accelerator";
 }
 
-DeviceInfo describe(const cl::Device& device, int number) {
+DeviceInfo describe(const cl::Device& device, int index) {
   DeviceInfo info;
-  info.number = number;
+  info.number = index + 1;
+  info.opencl_index = index;
   info.backend = "opencl";
   info.type = type_of(ask<CL_DEVICE_TYPE>(device));
   info.name = ask<CL_DEVICE_NAME>(device);

@@ -22,8 +22,6 @@ static_assert(std::endian::native == std::endian::little, "ExpandClaim");
 
 namespace {
 
-constexpr std::size_t kListBlock = 512;  // EXPAND_BLOCK of kernels/expand.cl
-
 /// The cell of what lies in no brick.
 cl_uint outside(const FieldView& field) { return static_cast<cl_uint>(cell_count(field)); }
 
@@ -32,7 +30,7 @@ cl_uint outside(const FieldView& field) { return static_cast<cl_uint>(cell_count
 void OpenClBackend::expand_choose(const FieldView& field, std::uint32_t round, bool wake,
                                   const FrontView& front) {
   const std::size_t most = std::max<std::size_t>(front.listed.size, 1);
-  const std::size_t blocks = (most + kListBlock - 1) / kListBlock;
+  const std::size_t blocks = (most + kCornerBlock - 1) / kCornerBlock;
   marks_.resize(*this, most);
   blocks_.resize(*this, blocks);
   launch("expand_measure", groups_of(most), shape_.fold_items, field, front, outside(field),

@@ -20,7 +20,7 @@
 
 namespace vasamesh {
 
-/// All devices of all platforms; list_opencl_devices() numbers them so.
+/// All devices of all platforms; their opencl_index counts them so.
 std::vector<cl::Device> opencl_devices();
 
 /// What kernels of that shape need and the device has not, as "has work-groups of at most 1 item,
@@ -29,8 +29,10 @@ std::string lacks(const cl::Device& device, const WorkShape& shape);
 
 class OpenClBackend final : public Backend {
  public:
-  /// \param options  of which the first three have been looked up: `device`, `shape`,
-  ///        `shared_memory`.
+  /// \param shared_memory  what options.copies comes to on the device: its copies of buffers lie in
+  ///        the host's memory.
+  /// \param options  of which `device`, `shape`, `work_shape` and `copies` are ignored: the other
+  ///        parameters say what they came to.
   OpenClBackend(cl::Device device, const WorkShape& shape, bool shared_memory,
                 const OpenClOptions& options);
 

@@ -21,12 +21,12 @@ void OpenClBackend::relabel_collect(const BrickView& bricks, View<const std::uin
          values, starts, nodes);
 }
 
-/// Blocks of 512 nodes; how many each has left is read back, and tells where the block's go.
+/// Blocks of kNodeBlock nodes; how many each has left is read back, and tells where the block's go.
 std::uint32_t OpenClBackend::relabel_sweep(const BrickView& bricks, View<const std::uint8_t> simple,
                                            View<const float> values, float threshold,
                                            View<const std::uint32_t> nodes,
                                            View<std::uint8_t> state, View<std::uint32_t> left) {
-  const std::size_t blocks = (nodes.size + kBrickCells - 1) / kBrickCells;
+  const std::size_t blocks = (nodes.size + kNodeBlock - 1) / kNodeBlock;
   const cl_ulong count = nodes.size;
   const View<std::uint32_t> block_left = counts_of(blocks);
   launch("relabel_sweep", blocks, shape_.brick_items, threshold, count, bricks.neighbours, simple,

@@ -10,7 +10,7 @@ struct DeviceSpeed {
   double bandwidth = 0, arithmetic = 0;
 };
 
-/// Measured, in some tenths of a second, by the clock. \param device  of list_opencl_devices().
+/// Measured, in some tenths of a second, by the clock. \param device  an opencl_index.
 /// \throws DeviceFailure
 DeviceSpeed measure_opencl_speed(int device);
 

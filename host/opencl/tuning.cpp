@@ -1,8 +1,9 @@
+#include "opencl/tuning.h"
+
 #include <sstream>
 
 #include "opencl/opencl_backend.h"
 #include "opencl/program_cache.h"
-#include "opencl/work_shape.h"
 
 namespace vasamesh {
 

@@ -1,18 +1,12 @@
 #include "phantom/surface.h"
 
 #include <tbb/parallel_for.h>
-#include <vtkCellArray.h>
-#include <vtkCellArrayIterator.h>
 #include <vtkClipClosedSurface.h>
-#include <vtkFloatArray.h>
 #include <vtkFlyingEdges3D.h>
 #include <vtkImageData.h>
 #include <vtkNew.h>
 #include <vtkPlane.h>
 #include <vtkPlaneCollection.h>
-#include <vtkPointData.h>
-#include <vtkPolyData.h>
-#include <vtkSmartPointer.h>
 #include <vtkTriangleFilter.h>
 
 #include <algorithm>
@@ -22,18 +16,13 @@
 
 #include "phantom/lattice.h"
 #include "tbb/task_order.h"
+#include "vtk_mesh.h"
 
 namespace vasamesh {
 namespace {
 
 constexpr int kBlockCells = 12;
 constexpr int kNewtonSteps = 4;
-
-/// Triangles in lattice units, with doubled vertices where blocks meet.
-struct Patch {
-  std::vector<std::array<float, 3>> points;
-  std::vector<std::uint32_t> triangles;
-};
 
 /// Whether a block holds only the lattice's last nodes along an axis: no cells.
 bool is_rim(const Block& block, const VoxelGrid& lattice) {
@@ -61,29 +50,16 @@ vtkSmartPointer<vtkImageData> sample_block(const Block& block, const VoxelGrid& 
   return image.Get();
 }
 
-Patch contour_block(const Block& block, const VoxelGrid& lattice) {
+/// Triangles in lattice units, with doubled vertices where blocks meet.
+TriangleMesh contour_block(const Block& block, const VoxelGrid& lattice) {
   vtkNew<vtkFlyingEdges3D> contour;
   contour->SetInputData(sample_block(block, lattice));
   contour->SetValue(0, 0.0);
   contour->ComputeNormalsOff();
   contour->ComputeScalarsOff();
   contour->Update();
-  vtkPolyData* surface = contour->GetOutput();
-  Patch patch;
-  patch.points.resize(surface->GetNumberOfPoints());
-  for (vtkIdType i = 0; i < surface->GetNumberOfPoints(); ++i) {
-    double p[3];
-    surface->GetPoint(i, p);
-    for (int a = 0; a < 3; ++a) patch.points[i][a] = static_cast<float>(p[a]);
-  }
-  auto cell = vtk::TakeSmartPointer(surface->GetPolys()->NewIterator());
-  for (cell->GoToFirstCell(); !cell->IsDoneWithTraversal(); cell->GoToNextCell()) {
-    vtkIdType count;
-    const vtkIdType* ids;
-    cell->GetCurrentCell(count, ids);
-    for (int c = 0; c < 3; ++c) patch.triangles.push_back(static_cast<std::uint32_t>(ids[c]));
-  }
-  return patch;
+  vtkPolyData& surface = *contour->GetOutput();
+  return {vertices_of(surface), triangles_of(surface)};
 }
 
 /// Newton's method along the gradient: onto the zero set.
@@ -111,19 +87,20 @@ struct PointHash {
   }
 };
 
-/// A mesh in double precision, with the block that each vertex came from.
+/// A mesh of whole patches, with the block that each vertex came from.
 struct Joined {
   std::vector<std::array<float, 3>> points;  ///< lattice units
   std::vector<std::size_t> block;
   std::vector<std::uint32_t> triangles;
 };
 
-Joined join(const std::vector<Patch>& patches) {
+Joined join(const std::vector<TriangleMesh>& patches) {
   Joined joined;
   std::unordered_map<std::array<float, 3>, std::uint32_t, PointHash> ids;
   for (std::size_t b = 0; b < patches.size(); ++b)
     for (std::uint32_t corner : patches[b].triangles) {
-      const auto& point = patches[b].points[corner];
+      const float* v = &patches[b].vertices[3 * std::size_t{corner}];
+      const std::array<float, 3> point = {v[0], v[1], v[2]};
       const auto id = static_cast<std::uint32_t>(joined.points.size());
       const auto [entry, is_new] = ids.try_emplace(point, id);
       if (is_new) joined.points.push_back(point), joined.block.push_back(b);
@@ -132,30 +109,18 @@ Joined join(const std::vector<Patch>& patches) {
   return joined;
 }
 
-std::vector<Vec3> projected_points(const Joined& joined, const std::vector<Block>& blocks,
-                                   const VoxelGrid& lattice) {
-  std::vector<Vec3> points(joined.points.size());
+/// x, y, z of each point on the zero set.
+std::vector<double> projected_points(const Joined& joined, const std::vector<Block>& blocks,
+                                     const VoxelGrid& lattice) {
+  std::vector<double> points(3 * joined.points.size());
   const auto project_point = [&](std::size_t i) {
     const auto& p = joined.points[i];
     const Vec3 place = lattice.start + Vec3(p[0], p[1], p[2]).cwiseProduct(lattice.step);
-    points[i] = project(blocks[joined.block[i]].solid, place, lattice.step[0]);
+    const Vec3 on_surface = project(blocks[joined.block[i]].solid, place, lattice.step[0]);
+    std::copy_n(on_surface.data(), 3, &points[3 * i]);
   };
-  tbb::parallel_for(std::size_t{0}, points.size(), TaskOrder().around(project_point));
+  tbb::parallel_for(std::size_t{0}, joined.points.size(), TaskOrder().around(project_point));
   return points;
-}
-
-vtkSmartPointer<vtkPolyData> to_vtk(const std::vector<Vec3>& points,
-                                    const std::vector<std::uint32_t>& triangles) {
-  vtkNew<vtkPoints> vertices;
-  vertices->SetDataTypeToDouble();
-  for (const Vec3& p : points) vertices->InsertNextPoint(p.data());
-  vtkNew<vtkCellArray> cells;
-  for (std::size_t t = 0; t < triangles.size(); t += 3)
-    cells->InsertNextCell({triangles[t], triangles[t + 1], triangles[t + 2]});
-  vtkNew<vtkPolyData> surface;
-  surface->SetPoints(vertices);
-  surface->SetPolys(cells);
-  return surface.Get();
 }
 
 /// Cuts the surface by the box and closes the cuts.
@@ -183,23 +148,6 @@ vtkSmartPointer<vtkPolyData> clip(vtkPolyData* surface, const Eigen::AlignedBox3
   return result.Get();
 }
 
-TriangleMesh to_mesh(vtkPolyData* surface, const Vec3& shift) {
-  TriangleMesh mesh;
-  for (vtkIdType i = 0; i < surface->GetNumberOfPoints(); ++i) {
-    double p[3];
-    surface->GetPoint(i, p);
-    for (int a = 0; a < 3; ++a) mesh.vertices.push_back(static_cast<float>(p[a] + shift[a]));
-  }
-  auto cell = vtk::TakeSmartPointer(surface->GetPolys()->NewIterator());
-  for (cell->GoToFirstCell(); !cell->IsDoneWithTraversal(); cell->GoToNextCell()) {
-    vtkIdType count;
-    const vtkIdType* ids;
-    cell->GetCurrentCell(count, ids);
-    for (int c = 0; c < 3; ++c) mesh.triangles.push_back(static_cast<std::uint32_t>(ids[c]));
-  }
-  return mesh;
-}
-
 VoxelGrid sampling_lattice(const Eigen::AlignedBox3d& bounds, double step) {
   VoxelGrid lattice;
   lattice.start = bounds.min() - Vec3::Constant(2.5 * step);
@@ -218,13 +166,17 @@ TriangleMesh exact_surface(const Shape& solid, const Eigen::AlignedBox3d& border
   const VoxelGrid lattice = sampling_lattice(cut ? bounds.intersection(border) : bounds, step);
   std::vector<Block> blocks = find_blocks(solid, lattice, kBlockCells, 4 * step);
   std::erase_if(blocks, [&](const Block& block) { return block.inside || is_rim(block, lattice); });
-  std::vector<Patch> patches(blocks.size());
+  std::vector<TriangleMesh> patches(blocks.size());
   const auto contour = [&](std::size_t b) { patches[b] = contour_block(blocks[b], lattice); };
   tbb::parallel_for(std::size_t{0}, blocks.size(), TaskOrder().around(contour));
   const Joined joined = join(patches);
-  const std::vector<Vec3> points = projected_points(joined, blocks, lattice);
-  const vtkSmartPointer<vtkPolyData> surface = to_vtk(points, joined.triangles);
-  return to_mesh(cut ? clip(surface, border) : surface, shift);
+  vtkSmartPointer<vtkPolyData> surface =
+      to_vtk(projected_points(joined, blocks, lattice), joined.triangles);
+  if (cut) surface = clip(surface, border);
+  const auto shifted = [&](const VtkPoint& p) {
+    return VtkPoint{p[0] + shift[0], p[1] + shift[1], p[2] + shift[2]};
+  };
+  return {vertices_of(*surface, shifted), triangles_of(*surface)};
 }
 
 }  // namespace vasamesh

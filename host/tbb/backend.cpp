@@ -161,19 +161,20 @@ void TbbBackend::run(std::size_t tasks, const std::function<void(std::size_t)>& 
   for_each(tasks, 1, task);
 }
 
-void TbbBackend::fill(View<float> values, float value) {
+template <class T>
+void TbbBackend::fill_blocks(View<T> values, T value) {
   for_each((values.size + kBlock - 1) / kBlock, 1, [=](std::size_t block) {
     const std::size_t first = block * kBlock;
     std::fill_n(values.data() + first, std::min(kBlock, values.size - first), value);
   });
 }
 
-void TbbBackend::fill(View<std::uint8_t> values, std::uint8_t value) {
-  std::fill_n(values.data(), values.size, value);
-}
+void TbbBackend::fill(View<float> values, float value) { fill_blocks(values, value); }
+
+void TbbBackend::fill(View<std::uint8_t> values, std::uint8_t value) { fill_blocks(values, value); }
 
 void TbbBackend::fill(View<std::uint32_t> values, std::uint32_t value) {
-  std::fill_n(values.data(), values.size, value);
+  fill_blocks(values, value);
 }
 
 std::uint32_t TbbBackend::exclusive_scan(View<const std::uint32_t> values,

@@ -23,7 +23,6 @@ namespace vasamesh {
 namespace {
 
 constexpr std::size_t kGrain = 16;      // bricks a task takes
-constexpr float kEnough = 0.35f;        // limits: a surface so near a face is near enough
 using Position = std::array<float, 3>;  // nodes, from the brick's corner
 
 /// A brick that is tested.
@@ -132,7 +131,7 @@ class FarTest {
 
   /// A bound from above of a node's distance to the surface: to where it crosses an edge of the
   /// node, or to a node of another label, the nearest of all; more than the limit where there is
-  /// none. Any bound up to kEnough limits will do.
+  /// none. Any bound up to kFarEnough limits will do.
   float surface_distance(const Place& place, const FarNode& node) const {
     constexpr std::size_t kAtOnce = 32;
     const std::uint8_t* own = place.halo.values + StateHalo::at(node.x, node.y, node.z);
@@ -148,7 +147,7 @@ class FarTest {
         float distance = o.length;
         if (o.edge) distance *= crossing(place, node, {node.x + o.x, node.y + o.y, node.z + o.z});
         best = std::min(best, distance);
-        if (best <= kEnough * limit_) return best;
+        if (best <= kFarEnough * limit_) return best;
       }
     }
     return best;

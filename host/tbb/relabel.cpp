@@ -199,12 +199,11 @@ float occupancy(const std::int32_t* near, const std::uint8_t* state, std::size_t
 /// smooth one would lose.
 float solid_field(const std::int32_t* near, const std::uint8_t* state, std::size_t node, int x,
                   int y, int z, const SolidField& field) {
-  constexpr float kLeast = 0.03f;
   const float value = occupancy(near, state, node, x, y, z, field.smooth);
   if (!field.keep_label) return value;
-  if (!(state[node] & kSolid)) return std::min(value, -kLeast);
-  if (value >= kLeast || !field.smooth) return std::max(value, kLeast);
-  return std::max(occupancy(near, state, node, x, y, z, false), kLeast);
+  if (!(state[node] & kSolid)) return std::min(value, -kLeastOccupancy);
+  if (value >= kLeastOccupancy || !field.smooth) return std::max(value, kLeastOccupancy);
+  return std::max(occupancy(near, state, node, x, y, z, false), kLeastOccupancy);
 }
 
 }  // namespace

@@ -172,6 +172,8 @@ class TbbBackend final : public Backend {
   }
 
   void copy(void* to, const void* from, std::size_t bytes);
+  template <class T>
+  void fill_blocks(View<T> values, T value);
   void give_back_kept();
 
   /// A kept block of that size, or a new one; null where there is no memory.

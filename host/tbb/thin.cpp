@@ -87,7 +87,7 @@ void combine_nine(const BitView& bits, const Word* base, int y, int z, Word* out
     }
 }
 
-/// out = the row eroded (or, with `dilate`, dilated) along x by one voxel.
+/// out = the row eroded, or dilated, along x by one voxel.
 void erode_x(const Word* row, int words, Word* out) {
   for (int w = 0; w < words; ++w) out[w] = row[w] & from_above(row, w, words) & from_below(row, w);
 }

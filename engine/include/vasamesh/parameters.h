@@ -50,13 +50,16 @@ enum class StitchMode {
 /// length. At most one of edges_around, chord_error and triangles may be given; it takes the place
 /// of rho.
 struct EdgeLengths {
+  /// Voxels: lengths that may be asked for, or that a number of triangles may need.
+  static constexpr double kLeastEdge = 0.1, kLongestEdge = 100;
+
   double rho = 0.6;            ///< edge length over radius of curvature, 0.001 to 2
   double edges_around = 0;     ///< edges round a vessel, 4 to 100: rho = 2 pi / edges_around
   double chord_error = 0;      ///< voxels, 0.001 to 1: sqrt(8 chord_error r) instead of rho r
   std::int64_t triangles = 0;  ///< how many are wanted, within 10 %, at most 10^9: rho,
                                ///< edge_min and edge_max are scaled together
-  double edge_min = 1.1;       ///< voxels, 0.1 to 100
-  double edge_max = 1.6;       ///< voxels, edge_min to 100
+  double edge_min = 1.1;       ///< voxels, kLeastEdge to kLongestEdge
+  double edge_max = 1.6;       ///< voxels, edge_min to kLongestEdge
   double gradation = 0.25;     ///< 0.01 to 2
 };
 

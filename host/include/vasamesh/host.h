@@ -13,9 +13,10 @@ namespace vasamesh {
 
 /// One device that a backend can use.
 struct DeviceInfo {
-  int number = 0;       ///< as `vasamesh devices` numbers it, from 0
-  std::string backend;  ///< "tbb", "opencl"
-  std::string type;     ///< "cpu", "gpu", "accelerator"
+  int number = 0;         ///< as `vasamesh devices` numbers it, from 0
+  int opencl_index = -1;  ///< in the order of OpenCL's loader, from 0; -1: not a device of its
+  std::string backend;    ///< "tbb", "opencl"
+  std::string type;       ///< "cpu", "gpu", "accelerator"
   std::string name;
   std::string driver;
   std::int64_t memory = 0;  ///< bytes, 0 where unknown
