@@ -111,7 +111,7 @@ void KernelFolder::record() const noexcept try {
   }
   if (now == before) return;
   std::string text;
-  for (const auto& [file, seal] : now) text += seal + " " + file + "\n";
+  for (const auto& [file, seal] : now) text.append(seal).append(" ").append(file).append("\n");
   records_.store(kRecord, text);
 } catch (const std::exception&) {  // what is not recorded costs a build
 }
@@ -120,7 +120,7 @@ KernelFolder::Contents KernelFolder::recorded() const {
   std::istringstream lines(records_.load(kRecord).value_or(""));
   Contents contents;
   for (std::string size, hash, file; lines >> size >> hash && std::getline(lines >> std::ws, file);)
-    contents.emplace(file, size + " " + hash);
+    contents.emplace(file, size.append(" ").append(hash));
   return contents;
 }
 
