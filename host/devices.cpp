@@ -40,10 +40,8 @@ std::vector<DeviceInfo> devices_of(const std::string& backend) {
   if (backend != "auto")
     std::erase_if(devices, [&](const DeviceInfo& device) { return device.backend != backend; });
   if (devices.empty())
-    throw Error(ErrorCode::no_device,
-                "--backend " + backend +
-                    ": no such device here: install a driver (pocl-opencl-icd runs on any CPU), or "
-                    "use --backend tbb");
+    throw Error(ErrorCode::no_device, "--backend " + backend + ": no such device here: " +
+                                          opencl_remedy() + ", or use --backend tbb");
   return devices;
 }
 

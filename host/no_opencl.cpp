@@ -18,6 +18,8 @@ namespace {
 
 std::vector<DeviceInfo> list_opencl_devices() { return {}; }
 
+std::string opencl_remedy() { return "take a build with the OpenCL backend"; }
+
 std::shared_ptr<Backend> make_opencl_backend(const OpenClOptions&) { refuse(); }
 
 DeviceSpeed measure_opencl_speed(int) { refuse(); }

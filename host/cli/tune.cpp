@@ -8,6 +8,7 @@
 #include "cli/commands.h"
 #include "cli/interrupt.h"
 #include "device_choice.h"
+#include "opencl/backend.h"
 #include "vasamesh/errors.h"
 
 namespace vasamesh::cli {
@@ -37,9 +38,7 @@ void run_tune(const TuneRequest& request) {
   catch_interrupts(false);
   std::vector<DeviceInfo> devices = list_devices();
   std::erase_if(devices, [](const DeviceInfo& device) { return device.backend != "opencl"; });
-  if (devices.empty())
-    throw Error(ErrorCode::no_device,
-                "no OpenCL device: install a driver (pocl-opencl-icd runs on any CPU)");
+  if (devices.empty()) throw Error(ErrorCode::no_device, "no OpenCL device: " + opencl_remedy());
   if (!request.device.empty()) devices = {choose_device(devices, request.device, "--device")};
   bool any_tuned = false;
   for (const DeviceInfo& device : devices) {

@@ -11,6 +11,7 @@
 #include "backend/device_failure.h"
 #include "opencl/arithmetic.h"
 #include "opencl/opencl_backend.h"
+#include "opencl/pocl.h"
 #include "opencl/tuning.h"
 
 namespace vasamesh {
@@ -54,8 +55,7 @@ std::shared_ptr<Backend> make_opencl_backend(const OpenClOptions& options) {
   const std::vector<cl::Device> devices = opencl_devices();
   if (devices.empty())
     throw Error(ErrorCode::no_device,
-                "no OpenCL device: install a driver (pocl-opencl-icd runs on any CPU), or use "
-                "--backend tbb");
+                "no OpenCL device: " + opencl_remedy() + ", or use --backend tbb");
   if (options.device < 0 || static_cast<std::size_t>(options.device) >= devices.size())
     throw Error(ErrorCode::no_device, "no OpenCL device " + std::to_string(options.device) +
                                           " of " + std::to_string(devices.size()) +
@@ -80,9 +80,7 @@ OpenClBackend::OpenClBackend(cl::Device device, const WorkShape& shape, bool sha
       workers_(options.workers),
       stages_(options.stages),
       account_(options.total) {
-  if (const std::string lack = lacks(device_, shape_); !lack.empty())
-    throw DeviceFailure(ErrorCode::no_device,
-                        device_name_ + " " + lack + ": choose another, or use --backend tbb");
+  refuse_lacking(device_, shape_);
   cl_int status = CL_SUCCESS;
   context_ = cl::Context(device_, nullptr, nullptr, nullptr, &status);
   check(status, "a context on " + device_name_);
@@ -99,6 +97,9 @@ OpenClBackend::OpenClBackend(cl::Device device, const WorkShape& shape, bool sha
                             "other devices': choose another, or use --backend tbb");
   programs_->set_checkpoint({});
 }
+
+/// A program that keeps its Context to the end has its kernels recorded then.
+OpenClBackend::~OpenClBackend() { record_pocl_kernels(); }
 
 Traffic OpenClBackend::traffic() const {
   return {launches_, memory_->copies(), memory_->bytes_copied(), memory_->waited()};

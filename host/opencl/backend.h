@@ -41,8 +41,8 @@ struct OpenClOptions {
   std::uint32_t stages = kAllStages;    ///< bit_of each Stage that it offers, of those with kernels
   DeviceCopies copies = DeviceCopies::by_device;
   /// Where built programs are kept; empty: $XDG_CACHE_HOME/vasamesh or ~/.cache/vasamesh, and
-  /// nowhere on platforms that keep them themselves. A folder that cannot be written costs a build
-  /// each time, no error.
+  /// nowhere on platforms that keep them themselves, as PoCL does (pocl.h). A folder that cannot be
+  /// written costs a build each time, no error.
   std::string cache_folder;
   /// Runs the host's part of stages; null: the calling thread does.
   std::shared_ptr<Backend> workers;
@@ -55,6 +55,9 @@ struct OpenClOptions {
 /// where devices that are not leave gaps of opencl_index and number. Empty where there is no
 /// platform.
 std::vector<DeviceInfo> list_opencl_devices();
+
+/// What to do where that is empty, as "install a driver".
+std::string opencl_remedy();
 
 /// What a device gets that was not tuned.
 WorkShape usual_opencl_shape(int device);

@@ -4,6 +4,7 @@
 
 #include "backend/device_failure.h"
 #include "opencl/opencl_backend.h"
+#include "opencl/pocl.h"
 
 namespace vasamesh {
 
@@ -37,6 +38,20 @@ bool usable(const cl::Device& device) {
   return ask<CL_DEVICE_AVAILABLE>(device) && ask<CL_DEVICE_COMPILER_AVAILABLE>(device);
 }
 
+/// A loader without platforms, and a platform without devices, answer with a status: both are
+/// "none" here.
+std::vector<cl::Device> listed_devices() {
+  std::vector<cl::Platform> platforms;
+  if (cl::Platform::get(&platforms) != CL_SUCCESS) return {};
+  std::vector<cl::Device> devices;
+  for (const cl::Platform& platform : platforms) {
+    std::vector<cl::Device> found;
+    if (platform.getDevices(CL_DEVICE_TYPE_ALL, &found) != CL_SUCCESS) continue;
+    devices.insert(devices.end(), found.begin(), found.end());
+  }
+  return devices;
+}
+
 }  // namespace
 
 std::string lacks(const cl::Device& device, const WorkShape& shape) {
@@ -52,21 +67,24 @@ std::string lacks(const cl::Device& device, const WorkShape& shape) {
     return most("bytes of local memory", local, kLocalBytes);
   if (!ask<CL_DEVICE_ENDIAN_LITTLE>(device)) return "is big-endian";
   if (ask<CL_DEVICE_PROFILE>(device) != "FULL_PROFILE") return "has no full profile of OpenCL";
-  return {};
+  return is_pocl(device) ? pocl_lacks() : "";
 }
 
-/// A loader without platforms, and a platform without devices, answer with a status: both are
-/// "none" here.
+void refuse_lacking(const cl::Device& device, const WorkShape& shape) {
+  if (const std::string lack = lacks(device, shape); !lack.empty())
+    throw DeviceFailure(ErrorCode::no_device, ask<CL_DEVICE_NAME>(device) + " " + lack +
+                                                  ": choose another, or use --backend tbb");
+}
+
 std::vector<cl::Device> opencl_devices() {
-  std::vector<cl::Platform> platforms;
-  if (cl::Platform::get(&platforms) != CL_SUCCESS) return {};
-  std::vector<cl::Device> devices;
-  for (const cl::Platform& platform : platforms) {
-    std::vector<cl::Device> found;
-    if (platform.getDevices(CL_DEVICE_TYPE_ALL, &found) != CL_SUCCESS) continue;
-    devices.insert(devices.end(), found.begin(), found.end());
-  }
-  return devices;
+  static const bool started = (start_pocl(listed_devices), true);
+  static_cast<void>(started);
+  return listed_devices();
+}
+
+std::string opencl_remedy() {
+  if (const std::string& lack = pocl_lacks_folder(); !lack.empty()) return "PoCL " + lack;
+  return "install a driver (pocl-opencl-icd runs on any CPU)";
 }
 
 std::vector<DeviceInfo> list_opencl_devices() {

@@ -20,12 +20,16 @@
 
 namespace vasamesh {
 
-/// All devices of all platforms; their opencl_index counts them so.
+/// All devices of all platforms; their opencl_index counts them so. Every use of OpenCL begins
+/// here: the first call gives PoCL its folder (pocl.h).
 std::vector<cl::Device> opencl_devices();
 
 /// What kernels of that shape need and the device has not, as "has work-groups of at most 1 item,
 /// not 64"; empty when it has everything. Kernels need no doubles.
 std::string lacks(const cl::Device& device, const WorkShape& shape);
+
+/// \throws DeviceFailure no_device, where it lacks something.
+void refuse_lacking(const cl::Device& device, const WorkShape& shape);
 
 class OpenClBackend final : public Backend {
  public:
@@ -35,6 +39,7 @@ class OpenClBackend final : public Backend {
   ///        parameters say what they came to.
   OpenClBackend(cl::Device device, const WorkShape& shape, bool shared_memory,
                 const OpenClOptions& options);
+  ~OpenClBackend() override;
 
   std::string name() const override { return "opencl"; }
   std::string device() const override { return device_name_; }

@@ -130,11 +130,13 @@ cl::Program Programs::build(const std::string& source) const {
 }
 
 std::optional<ProgramCache> cache_for(const cl::Device& device, const std::string& folder) {
-  const cl::Platform platform(ask<CL_DEVICE_PLATFORM>(device));
-  const bool keeps_programs =
-      ask<CL_PLATFORM_NAME>(platform).find("Portable Computing Language") != std::string::npos;
-  if (folder.empty() && keeps_programs) return std::nullopt;
+  if (folder.empty() && is_pocl(device)) return std::nullopt;
   return ProgramCache(folder);
+}
+
+bool is_pocl(const cl::Device& device) {
+  const cl::Platform platform(ask<CL_DEVICE_PLATFORM>(device));
+  return ask<CL_PLATFORM_NAME>(platform).find("Portable Computing Language") != std::string::npos;
 }
 
 bool is_cpu(const cl::Device& device) {

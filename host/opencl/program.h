@@ -53,6 +53,9 @@ class Programs {
 /// program's binary makes it build each kernel once more.)
 std::optional<ProgramCache> cache_for(const cl::Device& device, const std::string& folder);
 
+/// Whether it is a device of PoCL's.
+bool is_pocl(const cl::Device& device);
+
 /// Whether the device is a processor, which shares the host's memory.
 bool is_cpu(const cl::Device& device);
 

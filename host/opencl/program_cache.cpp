@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <fstream>
 #include <iterator>
 #include <system_error>
@@ -16,17 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr char kMagic[] = "vasamesh program 1\n";
-
-/// FNV-1a, 64 bits.
-std::uint64_t hash(const std::string& bytes) {
-  std::uint64_t value = 0xcbf29ce484222325u;
-  for (const char byte : bytes) {
-    value ^= static_cast<unsigned char>(byte);
-    value *= 0x100000001b3u;
-  }
-  return value;
-}
+constexpr char kMagic[] = "vasamesh program 2\n";
 
 std::string hexadecimal(std::uint64_t value) {
   char text[17];
@@ -44,15 +35,7 @@ std::string prefix_of(const std::string& key) {
 }
 
 std::string seal_of(const std::string& binary) {
-  return std::to_string(binary.size()) + " " + hexadecimal(hash(binary)) + "\n";
-}
-
-fs::path default_folder() {
-  if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache && *cache)
-    return fs::path(cache) / "vasamesh";
-  if (const char* home = std::getenv("HOME"); home && *home)
-    return fs::path(home) / ".cache" / "vasamesh";
-  return {};
+  return std::to_string(binary.size()) + " " + hexadecimal(hash_of(binary)) + "\n";
 }
 
 bool write_file(const fs::path& path, const std::string& content) {
@@ -64,11 +47,37 @@ bool write_file(const fs::path& path, const std::string& content) {
 
 }  // namespace
 
+/// FNV-1a by words of 64 bits, the upper half of each step folded into the lower.
+std::uint64_t hash_of(std::string_view bytes) {
+  std::uint64_t value = 0xcbf29ce484222325u ^ bytes.size();
+  const auto add = [&value](std::uint64_t word) {
+    value = (value ^ word) * 0x100000001b3u;
+    value ^= value >> 32;
+  };
+  std::uint64_t word = 0;
+  for (; bytes.size() >= sizeof(word); bytes.remove_prefix(sizeof(word))) {
+    std::memcpy(&word, bytes.data(), sizeof(word));
+    add(word);
+  }
+  word = 0;
+  std::memcpy(&word, bytes.data(), bytes.size());
+  add(word);
+  return value;
+}
+
+fs::path default_cache_folder() {
+  if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache && *cache)
+    return fs::path(cache) / "vasamesh";
+  if (const char* home = std::getenv("HOME"); home && *home)
+    return fs::path(home) / ".cache" / "vasamesh";
+  return {};
+}
+
 ProgramCache::ProgramCache(fs::path folder)
-    : folder_(folder.empty() ? default_folder() : std::move(folder)) {}
+    : folder_(folder.empty() ? default_cache_folder() : std::move(folder)) {}
 
 fs::path ProgramCache::path(const std::string& key) const {
-  return folder_ / (hexadecimal(hash(key)) + ".clbin");
+  return folder_ / (hexadecimal(hash_of(key)) + ".clbin");
 }
 
 std::optional<std::string> ProgramCache::load(const std::string& key) const {

@@ -5,16 +5,24 @@
 /// that any number of processes may share a folder; a file that is damaged or of another key counts
 /// as absent. Nothing here throws: a cache that cannot be used costs a build.
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 
 namespace vasamesh {
 
+/// Tells contents apart that differ by chance, not by intent; some GB/s.
+std::uint64_t hash_of(std::string_view bytes);
+
+/// $XDG_CACHE_HOME/vasamesh or ~/.cache/vasamesh; empty where neither variable is set.
+std::filesystem::path default_cache_folder();
+
 class ProgramCache {
  public:
-  /// \param folder  made when it is first needed; empty: $XDG_CACHE_HOME/vasamesh or
-  ///        ~/.cache/vasamesh, and no cache where neither variable is set.
+  /// \param folder  made when it is first needed; empty: default_cache_folder(), and no cache
+  ///        where that is empty.
   explicit ProgramCache(std::filesystem::path folder);
 
   /// What was stored under the key, whole and unchanged.

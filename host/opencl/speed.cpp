@@ -22,7 +22,9 @@ class Bench {
   explicit Bench(const cl::Device& device)
       : context_(device),
         queue_(context_, device),
-        programs_(context_, device, kOneItemShape, cache_for(device, {})) {}
+        programs_(context_, device, kOneItemShape, cache_for(device, {})) {
+    refuse_lacking(device, kOneItemShape);
+  }
 
   cl::Buffer buffer(std::size_t floats) {
     cl_int status = CL_SUCCESS;
