@@ -104,7 +104,7 @@ Labelled label(const VolumeView& volume, const Parameters& parameters, Scheduler
   report.relabel =
       relabel(scheduler, scale, lattice, parameters.close_handles ? &closings : nullptr);
   report.input = solid.findings;
-  report.distance_limit = distance_limit(scale) / scale[0] * volume.geometry.spacing[0];
+  report.distance_limit = lattice.limit / scale[0] * volume.geometry.spacing[0];
   take_off(closings, solid, report.relabel);
   return {object.size, scale, std::move(solid), std::move(lattice)};
 }

@@ -120,8 +120,8 @@ TEST_P(Accuracy, NearTheExactSurfaceAndOfItsVolume) {
 
 INSTANTIATE_TEST_SUITE_P(Shards, Accuracy, ::testing::Range(0, kAccuracyShards));
 
-/// A coil of a tube whose slices are six times as thick as its pixels are wide: its volume over that
-/// of its voxels.
+/// A coil of a tube whose slices are six times as thick as its pixels are wide: its volume over
+/// that of its voxels.
 TEST(ThickSlices, ThinVesselsKeepTheirVolume) {
   for (const auto& [radius, share] : {std::pair{1.5, 0.81}, {2.0, 0.91}, {3.0, 0.965}}) {
     SCOPED_TRACE(radius);
@@ -135,6 +135,38 @@ TEST(ThickSlices, ThinVesselsKeepTheirVolume) {
     EXPECT_GE(result.report.quality.volume, share * voxels);
     EXPECT_LE(result.report.quality.volume, voxels);
   }
+}
+
+/// Labels enlarged threefold: the steps of their blocks are found, and a wide kernel smooths them.
+TEST(EnlargedLabels, AreSmoothedByAWideKernel) {
+  constexpr int kTimes = 3;
+  const Phantom small = make_phantom("torus");
+  VolumeView volume = small.view();
+  std::vector<std::uint8_t> voxels;
+  const auto& size = small.geometry.size;
+  for (std::int64_t z = 0; z < kTimes * size[2]; ++z)
+    for (std::int64_t y = 0; y < kTimes * size[1]; ++y)
+      for (std::int64_t x = 0; x < kTimes * size[0]; ++x)
+        voxels.push_back(small.voxels[static_cast<std::size_t>(
+            x / kTimes + size[0] * (y / kTimes + size[1] * (z / kTimes)))]);
+  volume.data = voxels.data();
+  for (std::size_t a = 0; a < 3; ++a) {
+    volume.geometry.size[a] *= kTimes;
+    volume.geometry.spacing[a] /= kTimes;
+  }
+  Parameters wide;
+  wide.kernel_width = 4;
+  const Result usual = convert(volume, {}, context()), smooth = convert(volume, wide, context());
+  for (const Result* result : {&usual, &smooth}) {
+    EXPECT_EQ(result->report.input.blocks, (std::array<std::int64_t, 3>{kTimes, kTimes, kTimes}));
+    expect_proven(*result, volume, Connectivity::vertex);
+    EXPECT_EQ(result->report.mesh.far_points, 0);
+  }
+  EXPECT_NEAR(usual.report.distance_limit, volume.geometry.spacing[0], 1e-6);
+  EXPECT_NEAR(smooth.report.distance_limit, 4 / 1.66 * volume.geometry.spacing[0], 1e-6);
+  EXPECT_LT(usual.report.quality.dihedral_angle.percentile_5, 150);
+  EXPECT_GT(smooth.report.quality.dihedral_angle.percentile_5, 160);
+  EXPECT_LT(smooth.mesh.triangle_count(), usual.mesh.triangle_count());
 }
 
 class RandomTrees : public ::testing::TestWithParam<int> {};

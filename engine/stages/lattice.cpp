@@ -13,11 +13,10 @@ namespace vasamesh {
 namespace {
 
 /// Nodes along each axis round a face centre that may change their label.
-std::array<int, 3> free_radius(const Scale& scale) {
-  const float limit = kDistanceShare * distance_limit(scale);
+std::array<int, 3> free_radius(const Scale& scale, float limit) {
   std::array<int, 3> radius;
   for (std::size_t i = 0; i < 3; ++i)
-    radius[i] = std::clamp(static_cast<int>(limit / (0.5f * scale[i])), 1, 3);
+    radius[i] = std::clamp(static_cast<int>(kDistanceShare * limit / (0.5f * scale[i])), 1, 3);
   return radius;
 }
 
@@ -55,21 +54,23 @@ std::vector<BrickCoord> used_bricks(Backend& backend, const BitView& object,
 
 }  // namespace
 
-float distance_limit(const Scale& scale) {
+float distance_limit(const Scale& scale, double kernel_width) {
   const auto [least, most] = std::minmax_element(scale.begin(), scale.end());
-  return std::max(*least, 0.55f * *most);
+  const auto wider = static_cast<float>(std::max(kernel_width / Parameters{}.kernel_width, 1.0));
+  return wider * std::max(*least, 0.55f * *most);
 }
 
 Lattice build_lattice(Backend& backend, const BitVolume& object, const PointCloud& points,
                       const Scale& scale, const Octree& octree, const Parameters& parameters) {
-  const std::array<int, 3> radius = free_radius(scale);
+  Lattice lattice;
+  lattice.limit = distance_limit(scale, parameters.kernel_width);
+  const std::array<int, 3> radius = free_radius(scale, lattice.limit);
   const std::vector<BrickCoord> coords =
       used_bricks(backend, object.view(), candidate_bricks(backend, points), radius);
   const std::size_t nodes = coords.size() * kBrickCells;
   if (nodes > std::numeric_limits<std::uint32_t>::max())  // lists of nodes hold their numbers
     throw Error(ErrorCode::refused,
                 "the surface needs more than 2^32 lattice nodes: convert a part of the volume");
-  Lattice lattice;
   lattice.bricks = make_bricks(backend, coords);
   lattice.state = Buffer<std::uint8_t>(backend, nodes);
   lattice.values = Buffer<float>(backend, nodes);

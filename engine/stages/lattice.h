@@ -20,8 +20,10 @@
 namespace vasamesh {
 
 /// How far a surface may be from the segmentation's marching cubes, in voxel lengths: the larger
-/// of the smallest spacing and 0.55 of the largest.
-float distance_limit(const Scale& scale);
+/// of the smallest spacing and 0.55 of the largest. With a kernel wider than the default's, which
+/// is to smooth away more, as much more in proportion.
+/// \param kernel_width  as of Parameters.
+float distance_limit(const Scale& scale, double kernel_width);
 
 /// Part of the distance limit that the labels may use; the rest is for the surface between.
 inline constexpr float kDistanceShare = 0.8f;

@@ -108,7 +108,7 @@ Polygonizer::Polygonizer(Scheduler& scheduler, const Lattice& lattice,
       rule_(asked_),
       wanted_triangles_(static_cast<double>(parameters.edges.triangles)),
       base_(std::move(base)),
-      limit_(distance_limit(scale)) {
+      limit_(lattice.limit) {
   in_steps(backend_, base_.vertices.size(),
            [&](std::size_t i) { base_.vertices[i] *= scale_[i % 3]; });
   base_area_ = area_of(backend_, base_);

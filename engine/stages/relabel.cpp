@@ -92,7 +92,7 @@ class Relabelling {
   /// Marks stuck nodes, those that left the solid too far and narrow places. \return how many there
   /// are of the latter two.
   std::uint32_t mark(const Scale& scale, View<std::uint8_t> marks) {
-    const float limit = kDistanceShare * distance_limit(scale);
+    const float limit = kDistanceShare * lattice_.limit;
     upload(active_and_round_them(far_reach(make_far_offsets(scale, limit))));
     const std::uint32_t far =
         backend_.lattice_mark_far(lattice_.bricks.view(), active_view_.view(), scale, limit,

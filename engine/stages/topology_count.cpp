@@ -4,6 +4,7 @@
 #include <bit>
 
 #include "backend/ranges.h"
+#include "stages/constant_blocks.h"
 #include "stages/euler.h"
 
 namespace vasamesh {
@@ -200,6 +201,7 @@ Solid examine_solid(Backend& backend, const BitView& object,
   findings.corner_contacts = unpadded(corners.corner_contacts);
   findings.border_contacts = find_border_contacts(lookup.table, size);
   findings.one_voxel_parts = find_one_voxel_parts(backend, object, lookup.table);
+  findings.blocks = constant_blocks(lookup.table);
   return solid;
 }
 

@@ -67,6 +67,8 @@ struct Lattice {
   Bricks bricks;
   Buffer<std::uint8_t> state;  ///< a node: LatticeBits
   Buffer<float> values;        ///< a node: the indicator function minus its local isovalue
+  float limit = 1;             ///< voxel lengths: how far the surface may be from the solid's
+                               ///< marching cubes
 };
 
 }  // namespace vasamesh

@@ -3,6 +3,9 @@
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <map>
 #include <string>
 #include <utility>
@@ -14,6 +17,8 @@ namespace vasamesh::cli {
 
 namespace {
 
+constexpr double kWidestKernel = 4;  // that may be asked for
+
 std::string plural(std::int64_t count, const char* one, const char* many) {
   return fmt::format("{} {}", count, count == 1 ? one : many);
 }
@@ -24,8 +29,26 @@ std::string describe(const Topology& topology) {
          plural(topology.cavities, "cavity", "cavities");
 }
 
+/// What smooths the steps of labels that were enlarged, and is not asked for; empty where there are
+/// none.
+std::string describe_blocks(const Report& report) {
+  const std::array<std::int64_t, 3>& blocks = report.input.blocks;
+  const std::array<double, 3>& spacing = report.geometry.spacing;
+  const double voxel = std::cbrt(spacing[0] * spacing[1] * spacing[2]);
+  double longest = 0;  // side of a block, in voxels
+  for (std::size_t a = 0; a < 3; ++a)
+    if (blocks[a] > 1)
+      longest = std::max(longest, static_cast<double>(blocks[a]) * spacing[a] / voxel);
+  const double width = std::min(Parameters{}.kernel_width * longest, kWidestKernel);
+  if (width <= report.parameters.kernel_width) return {};
+  return fmt::format(
+      "labels constant over blocks of {} voxels: --kernel-width {:.1f} smooths their steps",
+      fmt::join(blocks, " x "), width);
+}
+
 /// What a user may want to look at in the segmentation, each with its first voxel.
-void print_findings(const InputFindings& findings) {
+void print_findings(const Report& report) {
+  const InputFindings& findings = report.input;
   const std::vector<std::pair<const char*, const Finding*>> entries = {
       {"pieces dropped as too small", &findings.dropped},
       {"pieces of fewer than 8 voxels", &findings.specks},
@@ -41,6 +64,8 @@ void print_findings(const InputFindings& findings) {
     fmt::print("{:<10}{}: {}, the first at voxel {}\n", std::exchange(title, ""), name,
                finding->count, fmt::join(finding->place, " "));
   }
+  if (const std::string blocks = describe_blocks(report); !blocks.empty())
+    fmt::print("{:<10}{}\n", title, blocks);
 }
 
 /// What was closed on demand, so that the surface is without it.
@@ -127,7 +152,7 @@ void print_conversion(const std::string& input, const std::string& output, const
   fmt::print("{:<10}{}: {} voxels of {:.4g} mm, {} in the object\n", "Input", input,
              fmt::join(geometry.size, " x "), fmt::join(geometry.spacing, " x "),
              report.input.object_voxels);
-  print_findings(report.input);
+  print_findings(report);
   fmt::print("{:<10}{}: {} triangles, {} vertices, {}, mm\n", "Surface", output,
              report.check.triangles, report.check.vertices,
              upper_space_name(report.parameters.space));

@@ -73,6 +73,7 @@ Json to_json(const InputFindings& findings) {
   out["border_contacts"] = to_json(findings.border_contacts);
   out["one_voxel_parts"] = to_json(findings.one_voxel_parts);
   out["anisotropy"] = findings.anisotropy;
+  out["blocks"] = findings.blocks;
   out["dropped"] = to_json(findings.dropped);
   return out;
 }

@@ -71,7 +71,9 @@ struct Parameters {
   int depth = 0;               ///< depth of the octree's finest regular level; 0: one cell a voxel.
                                ///< Otherwise from two below that to one above it.
   double kernel_width = 1.66;  ///< knot distance of the splatting B-spline where the vessel is
-                               ///< thick, in voxels, 0.5 to 4: the smoothing knob
+                               ///< thick, in voxels, 0.5 to 4: the smoothing knob. Above the
+                               ///< default the surface may leave the segmentation in proportion
+                               ///< farther (Report::distance_limit).
   Connectivity connectivity = Connectivity::vertex;
   bool close_handles = false;  ///< fill tunnels and cavities that the smooth field does not have
   SurfaceKind surface = SurfaceKind::adaptive;

@@ -49,6 +49,9 @@ struct InputFindings {
   Finding border_contacts;  ///< object voxels on the volume's border
   Finding one_voxel_parts;  ///< object voxels without a 2x2x2 object block around them
   double anisotropy = 1;    ///< largest spacing / smallest spacing
+  /// Voxels along each axis of the blocks over which the labels are constant: above 1 where they
+  /// were enlarged.
+  std::array<std::int64_t, 3> blocks{1, 1, 1};
   Finding dropped;          ///< pieces removed by Parameters::min_component
 };
 
