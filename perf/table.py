@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 """The figures of our surfaces: every phantom, random trees, every volume of a data folder.
 
-Each input goes through `vasamesh convert` at 1, 2 and 4 threads (the files must be the same bytes)
-and `vasamesh check`. Writes OUT.json and OUT.md; ends with code 1 when a figure is outside its
-limit. Needs no package; with those of perf/requirements.txt it knows the real vessels' radii, and
-so the number of triangles that they may have.
+Each input goes through `vasamesh convert` at 1, 2 and 4 threads and, where there is a device, on
+OpenCL (the files must be the same bytes) and `vasamesh check`. Writes OUT.json and OUT.md; ends
+with code 1 when a figure is outside its limit. Needs no package; with those of
+perf/requirements.txt it knows the real vessels' radii, and so the number of triangles that they may
+have.
 
     perf/table.py --data FOLDER [--surface adaptive|base]
 """
@@ -26,7 +27,9 @@ from table_figures import Row, outside
 
 Case = dict[str, Any]
 
-THREADS = (1, 2, 4)
+WAYS = (("--threads", "1"), ("--threads", "2"), ("--threads", "4"))  # of running a conversion
+MEASURED = WAYS[1]
+ON_OPENCL = ("--backend", "opencl")
 VOLUME_ENDINGS = (".nii.gz", ".nii", ".mha", ".mhd", ".nrrd")
 
 
@@ -82,26 +85,32 @@ def data_cases(folder: Path) -> Iterator[Case]:
             }
 
 
+def ways_of(program: Path) -> tuple[tuple[str, str], ...]:
+    """With OpenCL where there is a device of it."""
+    devices = program_run([program, "devices"]).output
+    return (*WAYS, ON_OPENCL) if re.search(r"\bopencl\b", devices) else WAYS
+
+
 def convert(
-    program: Path, volume: Path, output: Path, kind: str, threads: int, options: list[str]
+    program: Path, volume: Path, output: Path, kind: str, options: list[str]
 ) -> tuple[process.Outcome, dict[str, Any]]:
     """One conversion: the process and its report."""
     report = output.with_suffix(".json")
     words = [program, "convert", volume, "-o", output, "--report", report, "--surface", kind]
-    outcome = program_run([*words, "--threads", threads, "--quiet", *options])
+    outcome = program_run([*words, "--quiet", *options])
     return outcome, json.loads(report.read_text())
 
 
 def convert_all(
     program: Path, volume: Path, folder: Path, kind: str, options: list[str]
 ) -> tuple[Path, Row]:
-    """One conversion a number of threads: the surface and the row's figures of the work."""
+    """One conversion a way: the surface and the row's figures of the work."""
     digests, row = set(), {}
-    for threads in THREADS:
-        surface = folder / f"{threads}.ply"
-        outcome, content = convert(program, volume, surface, kind, threads, options)
+    for way in ways_of(program):
+        surface = folder / f"{way[1]}.ply"
+        outcome, content = convert(program, volume, surface, kind, [*way, *options])
         digests.add(hashlib.sha256(surface.read_bytes()).hexdigest())
-        if threads == 2:
+        if way == MEASURED:
             row.update(
                 wall=outcome.wall,
                 cpu=outcome.cpu,
@@ -115,7 +124,7 @@ def convert_all(
                 mesh=content["mesh"],
             )
     row["same_bytes"] = len(digests) == 1
-    return folder / "2.ply", row
+    return folder / f"{MEASURED[1]}.ply", row
 
 
 def median_radius(volume: Path) -> float | None:
@@ -164,7 +173,7 @@ def to_reference(
 ) -> dict[str, Any]:
     """The figures to a reference that lies beside a volume."""
     turned, in_ras = folder / "ras.ply", [*options, "--space", "ras"]
-    convert(program, case["volume"], turned, kind, 2, in_ras)
+    convert(program, case["volume"], turned, kind, [*MEASURED, *in_ras])
     return against_reference(program, turned, case["volume"], in_ras, case["reference"])
 
 
@@ -185,7 +194,8 @@ def measure(program: Path, case: Case, kind: str, folder: Path) -> Row:
     if case.get("reference"):
         row["exact"] = to_reference(program, case, kind, folder, options)
     if kind == "adaptive" and case["kind"] in ("large", "data"):
-        row["base_peak"] = convert(program, volume, folder / "b.ply", "base", 2, options)[0].peak
+        base = folder / "b.ply"
+        row["base_peak"] = convert(program, volume, base, "base", [*MEASURED, *options])[0].peak
     if case["kind"] == "data":
         row["median_radius"] = median_radius(volume)
     return row

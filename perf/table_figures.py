@@ -265,5 +265,5 @@ def outside(surface: str, row: Row) -> list[str]:
     if not check["passed"] and not found:
         found.append(check["reason"])
     if not row["same_bytes"]:
-        found.append("bytes differ by threads")
+        found.append("bytes differ by threads or backends")
     return found + [f.complaint(row) for f in figures_of(surface) if f.outside(row)]

@@ -31,7 +31,8 @@ end: times are those of a shared machine). A voxel is the geometric mean of the 
 a triangle's shortest over its longest edge. Figures outside their limit are **bold**.
 
 Asked of all: no defect of any kind and the segmentation's topology, for the coordinates as they are
-in the file; the same bytes with 1, 2 and 4 threads; and the limits below.
+in the file; the same bytes with 1, 2 and 4 threads and, where there is a device, on OpenCL; and the
+limits below.
 
 """
 
