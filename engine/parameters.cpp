@@ -30,10 +30,9 @@ bool within(double value, double least, double most) {
   return std::isfinite(value) && value >= least && value <= most;
 }
 
-void check_edge(const char* option, double length) {
-  constexpr double kLeast = EdgeLengths::kLeastEdge, kMost = EdgeLengths::kLongestEdge;
-  if (!within(length, kLeast, kMost))
-    out_of_range(option, number(kLeast) + " to " + number(kMost) + " voxels");
+void check_voxels(const char* option, double length, double least, double most) {
+  if (!within(length, least, most))
+    out_of_range(option, number(least) + " to " + number(most) + " voxels");
 }
 
 void validate(const EdgeLengths& e) {
@@ -46,8 +45,8 @@ void validate(const EdgeLengths& e) {
     out_of_range("--chord-error", "0.001 to 1 voxel (0: by rho)");
   if (e.triangles < 0 || e.triangles > kMostTriangles)
     out_of_range("--triangles", "how many are wanted, up to 1,000,000,000 (0: by rho)");
-  check_edge("--edge-min", e.edge_min);
-  check_edge("--edge-max", e.edge_max);
+  check_voxels("--edge-min", e.edge_min, e.kLeastEdge, e.kLongestEdge);
+  check_voxels("--edge-max", e.edge_max, e.kLeastEdge, e.kLongestEdge);
   if (e.edge_min > e.edge_max)
     throw Error(ErrorCode::usage, "--edge-min " + number(e.edge_min, EdgeLengths{}.edge_min) +
                                       " is above --edge-max " +
@@ -83,8 +82,7 @@ void validate(const Parameters& p) {
   validate(p.edges);
   if (p.neighbours < 3 || p.neighbours > 64) out_of_range("--neighbours", "3 to 64");
   if (p.depth < 0 || p.depth > 24) out_of_range("--depth", "0 (automatic) to 24");
-  if (!std::isfinite(p.kernel_width) || p.kernel_width < 0.5 || p.kernel_width > 4)
-    out_of_range("--kernel-width", "0.5 to 4 voxels");
+  check_voxels("--kernel-width", p.kernel_width, p.kLeastKernel, p.kWidestKernel);
   if (p.min_component < 0) out_of_range("--min-component", "0 (keep all) or more voxels");
   if (p.max_memory < 0) out_of_range("--max-memory", "0 (no limit) or more bytes");
   if (p.normals != NormalMode::covariance && p.normals != NormalMode::gradient)

@@ -11,6 +11,7 @@ have.
 """
 
 import argparse
+import functools
 import hashlib
 import json
 import os
@@ -85,6 +86,7 @@ def data_cases(folder: Path) -> Iterator[Case]:
             }
 
 
+@functools.cache
 def ways_of(program: Path) -> tuple[tuple[str, str], ...]:
     """With OpenCL where there is a device of it."""
     devices = program_run([program, "devices"]).output

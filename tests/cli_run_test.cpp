@@ -108,6 +108,21 @@ TEST(Check, SurfaceAndReferenceMayLieInDifferentSpaces) {
   }
 }
 
+TEST(Check, SurfacesThatLieApartAreTold) {
+  const Scratch folder;
+  run({"phantom", "sphere", "--radius", "3", "-o", folder / "sphere.nii", "--surface",
+       folder / "sphere.ply"});
+  write_text(
+      folder / "far.obj",
+      "v 1000 0 0\nv 1001 0 0\nv 1000 1 0\nv 1000 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n");
+  const Outcome apart =
+      run_program(command({"check", folder / "sphere.ply", "--reference", folder / "far.obj"}));
+  EXPECT_THAT(apart.err, HasSubstr("lie apart"));
+  const Outcome together =
+      run_program(command({"check", folder / "sphere.ply", "--reference", folder / "sphere.ply"}));
+  EXPECT_EQ(together.err, "");
+}
+
 /// It gives no length for the samples' distance.
 TEST(Check, AReferenceWithoutAreaIsRefused) {
   const Scratch folder;

@@ -140,20 +140,15 @@ TEST(ThickSlices, ThinVesselsKeepTheirVolume) {
 /// Labels enlarged threefold: the steps of their blocks are found, and a wide kernel smooths them.
 TEST(EnlargedLabels, AreSmoothedByAWideKernel) {
   constexpr int kTimes = 3;
-  const Phantom small = make_phantom("torus");
-  VolumeView volume = small.view();
-  std::vector<std::uint8_t> voxels;
-  const auto& size = small.geometry.size;
-  for (std::int64_t z = 0; z < kTimes * size[2]; ++z)
-    for (std::int64_t y = 0; y < kTimes * size[1]; ++y)
-      for (std::int64_t x = 0; x < kTimes * size[0]; ++x)
-        voxels.push_back(small.voxels[static_cast<std::size_t>(
-            x / kTimes + size[0] * (y / kTimes + size[1] * (z / kTimes)))]);
-  volume.data = voxels.data();
-  for (std::size_t a = 0; a < 3; ++a) {
-    volume.geometry.size[a] *= kTimes;
-    volume.geometry.spacing[a] /= kTimes;
-  }
+  const Phantom phantom = make_phantom("torus");
+  const auto& size = phantom.geometry.size;
+  DenseVolume small(
+      {static_cast<int>(size[0]), static_cast<int>(size[1]), static_cast<int>(size[2])});
+  small.voxels = phantom.voxels;
+  const DenseVolume large = enlarged(small, {kTimes, kTimes, kTimes});
+  VolumeView volume = large.view();
+  for (std::size_t a = 0; a < 3; ++a)
+    volume.geometry.spacing[a] = phantom.geometry.spacing[a] / kTimes;
   Parameters wide;
   wide.kernel_width = 4;
   const Result usual = convert(volume, {}, context()), smooth = convert(volume, wide, context());

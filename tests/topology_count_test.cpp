@@ -174,11 +174,7 @@ TEST_F(TopologyCount, OneVoxelPartsAndBorderAsCountedPlainly) {
 TEST_F(TopologyCount, BlocksOfEnlargedLabels) {
   const DenseVolume small = random_volume({12, 11, 10}, 0.3, 4);
   for (const std::array<int, 3>& block : {std::array{2, 2, 2}, {1, 1, 4}, {3, 2, 1}}) {
-    DenseVolume large({12 * block[0], 11 * block[1], 10 * block[2]});
-    for (int z = 0; z < large.size[2]; ++z)
-      for (int y = 0; y < large.size[1]; ++y)
-        for (int x = 0; x < large.size[0]; ++x)
-          large.at(x, y, z) = small.object(x / block[0], y / block[1], z / block[2]);
+    DenseVolume large = enlarged(small, block);
     const std::array<std::int64_t, 3> wanted = {block[0], block[1], block[2]};
     EXPECT_EQ(examine(large, 26).findings.blocks, wanted);
     large.at(5, 5, 5) = !large.object(5, 5, 5);  // one voxel that is no block

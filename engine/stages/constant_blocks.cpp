@@ -14,12 +14,6 @@ constexpr int kLeastChanges = 8;  // along an axis
 /// A byte a plane between voxels: whether labels change there anywhere.
 using Changes = std::vector<std::uint8_t>;
 
-std::span<const Run> runs_of(const RunTable& table, int y, int z) {
-  const std::size_t row = static_cast<std::size_t>(z) * table.size[1] + y;
-  return std::span(table.runs)
-      .subspan(table.row_first[row], table.row_first[row + 1] - table.row_first[row]);
-}
-
 bool are_equal(std::span<const Run> a, std::span<const Run> b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const Run& r, const Run& s) {
     return r.begin == s.begin && r.end == s.end;
@@ -48,10 +42,10 @@ std::array<std::int64_t, 3> constant_blocks(const RunTable& table) {
         changes[0][static_cast<std::size_t>(run.end)] = 1;
   for (int z = 0; z < table.size[2]; ++z)
     for (int y = 0; y < table.size[1]; ++y) {
-      const std::span<const Run> here = runs_of(table, y, z);
-      if (y > 0 && !are_equal(here, runs_of(table, y - 1, z)))
+      const std::span<const Run> here = table.row(y, z);
+      if (y > 0 && !are_equal(here, table.row(y - 1, z)))
         changes[1][static_cast<std::size_t>(y)] = 1;
-      if (z > 0 && !are_equal(here, runs_of(table, y, z - 1)))
+      if (z > 0 && !are_equal(here, table.row(y, z - 1)))
         changes[2][static_cast<std::size_t>(z)] = 1;
     }
   return {block_of(changes[0]), block_of(changes[1]), block_of(changes[2])};

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "backend/backend.h"
@@ -23,10 +24,11 @@ struct RunTable {
   std::vector<std::uint32_t> row_first;
   std::vector<Run> runs;
 
-  bool row_empty(int y, int z) const {
-    const std::size_t row = static_cast<std::size_t>(z) * size[1] + y;
-    return row_first[row] == row_first[row + 1];
+  std::span<const Run> row(int y, int z) const {
+    const std::size_t at = static_cast<std::size_t>(z) * size[1] + y;
+    return std::span(runs).subspan(row_first[at], row_first[at + 1] - row_first[at]);
   }
+  bool row_empty(int y, int z) const { return row(y, z).empty(); }
 };
 
 /// A window of rows: y from first[0] below last[0], z from first[1] below last[1].

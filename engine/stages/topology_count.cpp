@@ -176,12 +176,11 @@ Finding unpadded(const Finding& finding) {
 
 std::int32_t PieceLookup::at(int x, int y, int z) const {
   if (y < 0 || z < 0 || y >= table.size[1] || z >= table.size[2]) return kNone;
-  const std::size_t row = static_cast<std::size_t>(z) * table.size[1] + y;
-  const auto first = table.runs.begin() + table.row_first[row];
-  const auto last = table.runs.begin() + table.row_first[row + 1];
-  const auto run = std::partition_point(first, last, [x](const Run& r) { return r.end <= x; });
-  if (run == last || run->begin > x) return kNone;
-  return piece[run - table.runs.begin()];
+  const std::span<const Run> row = table.row(y, z);
+  const auto run =
+      std::partition_point(row.begin(), row.end(), [x](const Run& r) { return r.end <= x; });
+  if (run == row.end() || run->begin > x) return kNone;
+  return piece[static_cast<std::size_t>(&*run - table.runs.data())];
 }
 
 Solid examine_solid(Backend& backend, const BitView& object,

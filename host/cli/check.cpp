@@ -195,12 +195,12 @@ Examination examine(const CheckRequest& request) {
   if (!request.map.empty()) write_map(backend, request, surface, curvatures);
   if (auto reference = reference_surface(request, *surface.space, volume)) {
     bring_together(request, volume, surface, *reference);
-    warn_if_apart(request, mesh, reference->mesh);
     const std::size_t triangles = reference->mesh.triangle_count();
     const double voxel =
         volume ? voxel_length(volume->geometry)
                : sampling_length(measure_quality(backend, reference->mesh), triangles);
     result.distance = measure_distance(backend, mesh, reference->mesh, voxel);
+    warn_if_apart(request, mesh, reference->mesh);
     result.reference_triangles = triangles;
   }
   return result;

@@ -5,19 +5,17 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <map>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "io/surface_io.h"
+#include "stages/points.h"
 
 namespace vasamesh::cli {
 
 namespace {
-
-constexpr double kWidestKernel = 4;  // that may be asked for
 
 std::string plural(std::int64_t count, const char* one, const char* many) {
   return fmt::format("{} {}", count, count == 1 ? one : many);
@@ -33,13 +31,11 @@ std::string describe(const Topology& topology) {
 /// none.
 std::string describe_blocks(const Report& report) {
   const std::array<std::int64_t, 3>& blocks = report.input.blocks;
-  const std::array<double, 3>& spacing = report.geometry.spacing;
-  const double voxel = std::cbrt(spacing[0] * spacing[1] * spacing[2]);
+  const Scale scale = make_scale(report.geometry);
   double longest = 0;  // side of a block, in voxels
   for (std::size_t a = 0; a < 3; ++a)
-    if (blocks[a] > 1)
-      longest = std::max(longest, static_cast<double>(blocks[a]) * spacing[a] / voxel);
-  const double width = std::min(Parameters{}.kernel_width * longest, kWidestKernel);
+    if (blocks[a] > 1) longest = std::max(longest, static_cast<double>(blocks[a]) * scale[a]);
+  const double width = std::min(Parameters{}.kernel_width * longest, Parameters::kWidestKernel);
   if (width <= report.parameters.kernel_width) return {};
   return fmt::format(
       "labels constant over blocks of {} voxels: --kernel-width {:.1f} smooths their steps",

@@ -23,6 +23,16 @@ constexpr double kBrickTableBytes = 54 * 4 / 512.0;  // of a cell: 54 indices a 
 
 double mesh_bytes(double vertices, double triangles) { return 12 * (vertices + triangles); }
 
+/// Of passes whose operations depend on what they find: that the field is read, that triangles are
+/// added, that a mesh is read and written.
+Work values_work(double nodes) { return {nodes * kNodeBytes, 0}; }
+Work added_work(std::int64_t triangles) {
+  return {mesh_bytes(0, static_cast<double>(triangles)), 0};
+}
+Work remake_work(double vertices, double triangles) {
+  return {2 * mesh_bytes(vertices, triangles), 0};
+}
+
 /// What a report counts, as the steps above want it.
 struct Counts {
   explicit Counts(const Report& report)
@@ -69,11 +79,6 @@ Work examine_mesh_work(double vertices, double triangles) {
   return {mesh_bytes(vertices, triangles), triangles * kTriangleOperations};
 }
 
-/// Of passes over a mesh whose operations depend on what they find: that it is read and written.
-Work remake_work(double vertices, double triangles) {
-  return {2 * mesh_bytes(vertices, triangles), 0};
-}
-
 Work stage_work(const std::string& stage, const Report& report) {
   const Counts n(report);
   const std::map<std::string, std::function<Work()>> stages = {
@@ -84,24 +89,14 @@ Work stage_work(const std::string& stage, const Report& report) {
       {"poisson", [&] { return solve_work(n.cell_iterations) + isovalue_work(n.cells, n.points); }},
       {"topology", [&] { return label_work(n.cells, n.nodes) + relabel_work(n.nodes, n.passes); }},
       {"surface", [&] { return surface_work(n.nodes, n.vertices, n.triangles); }},
-      {"sizes",
-       [&] {
-         return Work{n.nodes * kNodeBytes, 0};
-       }},
+      {"sizes", [&] { return values_work(n.nodes); }},
       {"remesh",
        [&] {
          return remake_work(report.mesh.hard_share * n.vertices,
                             report.mesh.hard_share * n.triangles);
        }},
-      {"expand",
-       [&] {
-         return Work{n.nodes * kNodeBytes + 12.0 * static_cast<double>(report.mesh.front_triangles),
-                     0};
-       }},
-      {"stitch",
-       [&] {
-         return Work{12.0 * static_cast<double>(report.mesh.gap_triangles), 0};
-       }},
+      {"expand", [&] { return values_work(n.nodes) + added_work(report.mesh.front_triangles); }},
+      {"stitch", [&] { return added_work(report.mesh.gap_triangles); }},
       {"finish", [&] { return remake_work(n.vertices, n.triangles); }},
       {"settle", [&] { return remake_work(n.vertices, n.triangles); }},
       {"check", [&] { return examine_mesh_work(n.vertices, n.triangles); }},

@@ -53,6 +53,16 @@ struct DenseVolume {
   }
 };
 
+/// Each voxel as a block of so many.
+inline DenseVolume enlarged(const DenseVolume& small, const std::array<int, 3>& times) {
+  DenseVolume large({small.size[0] * times[0], small.size[1] * times[1], small.size[2] * times[2]});
+  for (int z = 0; z < large.size[2]; ++z)
+    for (int y = 0; y < large.size[1]; ++y)
+      for (int x = 0; x < large.size[0]; ++x)
+        large.at(x, y, z) = small.object(x / times[0], y / times[1], z / times[2]);
+  return large;
+}
+
 /// Each voxel is object with the given probability.
 inline DenseVolume random_volume(const std::array<int, 3>& size, double density, unsigned seed) {
   DenseVolume volume(size);

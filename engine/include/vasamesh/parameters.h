@@ -66,12 +66,16 @@ struct EdgeLengths {
 /// Everything that a conversion may be asked. One kernel-width unit, and every "voxel" below, is
 /// the geometric mean of the three spacings.
 struct Parameters {
+  /// Voxels: kernel widths that may be asked for.
+  static constexpr double kLeastKernel = 0.5, kWidestKernel = 4;
+
   int neighbours = 10;  ///< k of the covariance normals, 3 to 64
   NormalMode normals = NormalMode::covariance;
   int depth = 0;               ///< depth of the octree's finest regular level; 0: one cell a voxel.
                                ///< Otherwise from two below that to one above it.
   double kernel_width = 1.66;  ///< knot distance of the splatting B-spline where the vessel is
-                               ///< thick, in voxels, 0.5 to 4: the smoothing knob. Above the
+                               ///< thick, in voxels, kLeastKernel to kWidestKernel: the
+                               ///< smoothing knob. Above the
                                ///< default the surface may leave the segmentation in proportion
                                ///< farther (Report::distance_limit).
   Connectivity connectivity = Connectivity::vertex;

@@ -52,7 +52,7 @@ struct InputFindings {
   /// Voxels along each axis of the blocks over which the labels are constant: above 1 where they
   /// were enlarged.
   std::array<std::int64_t, 3> blocks{1, 1, 1};
-  Finding dropped;          ///< pieces removed by Parameters::min_component
+  Finding dropped;  ///< pieces removed by Parameters::min_component
 };
 
 /// One stage of the pipeline as it ran.
