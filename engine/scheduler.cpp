@@ -84,6 +84,8 @@ std::string Scheduler::host_reason(Stage stage, const char* on_host) {
   const bool has_device = context_.backends.size() > 1;
   if (!has_device && context_.host_reason.empty()) return {};
   if (stage == Stage::mesh) return on_host;
+  if (stage == Stage::verify && !context_.backends.front()->other_arithmetic().empty())
+    return "the device's arithmetic is not the one that proofs rest on";
   return has_device ? "the device has been given other stages alone" : context_.host_reason;
 }
 
@@ -96,6 +98,7 @@ void Scheduler::begin(const char* name, Stage stage, const char* on_host) {
   report.name = name;
   report.backend = backend.name();
   report.device = backend.device();
+  report.other_arithmetic = backend.other_arithmetic();
   report.host_reason = host_reason(stage, on_host);
   if (&backend != &host()) report.host_part = on_host;
   traffic_ = backend.traffic();
@@ -122,6 +125,7 @@ void Scheduler::close() {
   if (running_ != &host() && !host_alone_ && report.launches == 0) {
     report.backend = host().name();
     report.device = host().device();
+    report.other_arithmetic.clear();
     report.host_reason = "nothing in it was for the device";
     report.host_part.clear();
   }

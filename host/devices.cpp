@@ -55,17 +55,16 @@ DeviceInfo device_for(const ContextOptions& options) {
   return options.backend == "opencl" ? devices_of("opencl")[0] : describe_cpu();
 }
 
-std::shared_ptr<Backend> open_opencl(int device, std::uint32_t stages,
-                                     std::shared_ptr<Backend> workers,
-                                     std::shared_ptr<ByteAccount> total,
-                                     const std::atomic<bool>* cancel) {
+/// Of a device beside oneTBB.
+OpenClOptions opencl_options(const DeviceInfo& device, const std::shared_ptr<Backend>& host,
+                             const std::shared_ptr<ByteAccount>& total,
+                             const std::atomic<bool>* cancel) {
   OpenClOptions options;
-  options.device = device;
-  options.stages = stages;
-  options.workers = std::move(workers);
-  options.total = std::move(total);
+  options.device = device.opencl_index;
+  options.workers = host;
+  options.total = total;
   options.cancel = cancel;
-  return make_opencl_backend(options);
+  return options;
 }
 
 bool device_named(const ContextOptions& options) {
@@ -92,8 +91,9 @@ void add_worthy(Context& context, const std::shared_ptr<Backend>& host,
     try {
       const DeviceWorth worth = worth_of(device, host, context.cancel);
       if (worth.stages) {
-        context.backends.push_back(
-            open_opencl(device.opencl_index, worth.stages, host, total, context.cancel));
+        OpenClOptions options = opencl_options(device, host, total, context.cancel);
+        options.stages = worth.stages;
+        context.backends.push_back(make_opencl_backend(options));
         context.host_reason.clear();
         return;
       }
@@ -125,11 +125,13 @@ Context make_context(const ContextOptions& options) {
   context.cancel = options.cancel;
   const auto total = std::make_shared<ByteAccount>();
   const auto host = make_tbb_backend(options.threads, options.task_arena, total);
-  if (device.backend == "opencl")
-    context.backends.push_back(
-        open_opencl(device.opencl_index, kAllStages, host, total, options.cancel));
-  else if (options.backend == "auto" && !device_named(options))
+  if (device.backend == "opencl") {
+    OpenClOptions wanted = opencl_options(device, host, total, options.cancel);
+    wanted.any_arithmetic = true;
+    context.backends.push_back(make_opencl_backend(wanted));
+  } else if (options.backend == "auto" && !device_named(options)) {
     add_worthy(context, host, total);
+  }
   context.backends.push_back(host);
   return context;
 }

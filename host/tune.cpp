@@ -9,6 +9,7 @@
 #include "backend/backend.h"
 #include "opencl/backend.h"
 #include "opencl/tuning.h"
+#include "stages/distance.h"
 #include "tbb/backend.h"
 #include "vasamesh/errors.h"
 #include "vasamesh/pipeline.h"
@@ -18,8 +19,9 @@ namespace vasamesh {
 namespace {
 
 constexpr int kSide = 128, kRepeats = 3;
-constexpr double kFaster = 0.9;         // of oneTBB's time: what counts as less
-constexpr float kRing = 44, kTube = 7;  // radii of the torus, voxels
+constexpr double kFaster = 0.9;  // of oneTBB's time: what counts as less
+constexpr double kLargestDistance = 0.25, kMeanDistance = 0.05;  // voxels: what counts as near
+constexpr float kRing = 44, kTube = 7;                           // radii of the torus, voxels
 
 /// A torus, its axis along z.
 std::vector<std::uint8_t> torus() {
@@ -51,11 +53,26 @@ std::string words(const WorkShape& shape) {
 /// A processor with some threads, by name.
 std::string name_of(const Backend& host) { return processor_name() + ", " + host.device(); }
 
+/// Of the torus, whose voxels are 1 mm.
+bool are_near(Backend& backend, const TriangleMesh& a, const TriangleMesh& b) {
+  const DistanceReport distance = measure_distance(backend, a, b, 1);
+  const auto is_small = [](const OneWayDistance& way) {
+    return way.maximum <= kLargestDistance && way.mean <= kMeanDistance;
+  };
+  return is_small(distance.to) && is_small(distance.back);
+}
+
 /// A device against oneTBB on one volume.
 class Tuner {
  public:
-  Tuner(const DeviceInfo& device, std::shared_ptr<Backend> host, const std::atomic<bool>* cancel)
-      : device_(device.opencl_index), host_(std::move(host)), cancel_(cancel), voxels_(torus()) {
+  /// \param any_arithmetic  as of OpenClOptions.
+  Tuner(const DeviceInfo& device, std::shared_ptr<Backend> host, bool any_arithmetic,
+        const std::atomic<bool>* cancel)
+      : device_(device.opencl_index),
+        host_(std::move(host)),
+        any_arithmetic_(any_arithmetic),
+        cancel_(cancel),
+        voxels_(torus()) {
     view_.data = voxels_.data();
     view_.geometry.size = {kSide, kSide, kSide};
   }
@@ -65,6 +82,7 @@ class Tuner {
     OpenClOptions options;
     options.device = device_;
     options.work_shape = shape;
+    options.any_arithmetic = any_arithmetic_;
     options.workers = host_;
     options.cancel = cancel_;
     TuneTrial trial;
@@ -74,8 +92,10 @@ class Tuner {
       if (tbb_.stages.empty()) tbb_ = timed({host_});  // not for a device that cannot be opened
       const Timed time = timed({opened, host_});
       trial.seconds = time.seconds;
-      trial.agrees =
-          time.mesh.vertices == tbb_.mesh.vertices && time.mesh.triangles == tbb_.mesh.triangles;
+      other_arithmetic_ = opened->other_arithmetic();
+      trial.agrees = other_arithmetic_.empty() ? time.mesh.vertices == tbb_.mesh.vertices &&
+                                                     time.mesh.triangles == tbb_.mesh.triangles
+                                               : are_near(*host_, time.mesh, tbb_.mesh);
       if (trial.agrees && (!is_found() || time.seconds < best_.seconds)) take(trial, time, shape);
     } catch (const Error& error) {
       if (error.code() == ErrorCode::cancelled) throw;
@@ -88,6 +108,7 @@ class Tuner {
   const TuneTrial& best() const { return best_; }
   const WorkShape& shape() const { return shape_; }
   double tbb_seconds() const { return tbb_.seconds; }
+  const std::string& other_arithmetic() const { return other_arithmetic_; }
 
   /// In which the best shape beats oneTBB, bit_of each.
   std::uint32_t stages() const { return stages_; }
@@ -119,11 +140,13 @@ class Tuner {
 
   int device_;
   std::shared_ptr<Backend> host_;
+  bool any_arithmetic_;
   const std::atomic<bool>* cancel_;
   std::vector<std::uint8_t> voxels_;
   VolumeView view_;
   Timed tbb_;
   TuneTrial best_;
+  std::string other_arithmetic_;
   WorkShape shape_ = kWorkGroupShape;
   std::uint32_t stages_ = 0;
 };
@@ -157,7 +180,7 @@ std::uint32_t tried_stages(const DeviceInfo& device, const std::shared_ptr<Backe
                            const std::atomic<bool>* cancel) {
   const int index = device.opencl_index;
   try {
-    Tuner tuner(device, host, cancel);
+    Tuner tuner(device, host, false, cancel);
     tuner.attempt(load_shape(index, {}).value_or(usual_opencl_shape(index)), "usual");
     return tuner.stages();
   } catch (const Error& error) {
@@ -172,8 +195,8 @@ TuneResult tune_device(const DeviceInfo& device, int threads,
                        const std::function<void(const TuneTrial&)>& tell) {
   const int index = device.opencl_index;
   const std::shared_ptr<Backend> host = make_tbb_backend(threads, nullptr);
-  Tuner tuner(device, host, nullptr);
-  std::string failure = "other bytes";
+  Tuner tuner(device, host, true, nullptr);
+  std::string failure = "other surfaces";
   const auto attempt = [&](const WorkShape& shape, const std::string& name) {
     const TuneTrial trial = tuner.attempt(shape, name);
     if (!trial.failure.empty()) failure = trial.failure;
@@ -186,9 +209,10 @@ TuneResult tune_device(const DeviceInfo& device, int threads,
   if (!tuner.is_found())
     throw Error(ErrorCode::no_device, device.name + " gives other surfaces than oneTBB, or none (" +
                                           failure + "): use --backend tbb");
+  const std::string& other = tuner.other_arithmetic();
   const bool is_kept = store_shape(index, {}, tuner.shape()) &&
-                       store_stages(index, {}, name_of(*host), tuner.stages());
-  return {tuner.best(), tuner.tbb_seconds(), tuner.stage_names(), is_kept};
+                       store_stages(index, {}, name_of(*host), other.empty() ? tuner.stages() : 0);
+  return {tuner.best(), tuner.tbb_seconds(), tuner.stage_names(), other, is_kept};
 }
 
 DeviceWorth worth_of(const DeviceInfo& device, const std::shared_ptr<Backend>& host,
@@ -214,7 +238,10 @@ DeviceWorth worth_of(const DeviceInfo& device, const std::shared_ptr<Backend>& h
     }
     store_stages(index, {}, beside, *stages);
   }
-  return {*stages, *stages ? "" : device.name + " was not faster than the processor in any stage"};
+  return {*stages, *stages ? ""
+                           : device.name +
+                                 " was not faster than the processor in any stage, or gives other "
+                                 "bytes, or none: see vasamesh tune"};
 }
 
 }  // namespace vasamesh

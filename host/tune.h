@@ -20,15 +20,17 @@ namespace vasamesh {
 struct TuneTrial {
   std::string shape;    ///< in words
   double seconds = 0;   ///< the best of three
-  bool agrees = false;  ///< with oneTBB's surface; a shape that does not is not taken
+  bool agrees = false;  ///< with oneTBB's surface: its bytes or, of a device of other arithmetic,
+                        ///< near it; a shape that does not is not taken
   std::string failure;  ///< why the device could not run it; empty where it could
 };
 
 struct TuneResult {
   TuneTrial best;
   double tbb_seconds = 0;
-  std::string stages;   ///< names of those in which the device beat oneTBB; may be empty
-  bool is_kept = true;  ///< false where the cache folder cannot be written
+  std::string stages;            ///< names of those in which the device beat oneTBB; may be empty
+  std::string other_arithmetic;  ///< of the device, as of Backend; `auto` takes none that has one
+  bool is_kept = true;           ///< false where the cache folder cannot be written
 };
 
 /// Tries all shapes on an OpenCL device, beside oneTBB on so many threads.

@@ -23,8 +23,8 @@ Report full_report() {
   report.input.pieces.push_back(
       {.voxels = 7, .first_voxel = {1, 2, 3}, .cavities = 1, .handles = 2});
   report.input.specks = {.count = 2, .place = {4, 5, 6}};
-  report.stages.push_back({"points", "tbb", "cpu", 0.25, 0.125, 1024, 7, 8, 9, "it has no kernels",
-                           "sums", "it was lost"});
+  report.stages.push_back({"points", "tbb", "cpu", 0.25, 0.125, 1024, 7, 8, 9, "contracts products",
+                           "it has no kernels", "sums", "it was lost"});
   report.levels.push_back({3, {8, 8, 8}, 512, 100, 10, 1.0, 0.125});
   report.relabel.stuck_first = 9;
   report.check.passed = true;
@@ -51,6 +51,7 @@ TEST(ReportJson, ValuesStandUnderTheirNames) {
   EXPECT_EQ(json["input"]["specks"]["place"], (Json{4, 5, 6}));
   EXPECT_TRUE(json["input"]["cavities"]["place"].is_null());
   EXPECT_EQ(json["stages"][0]["seconds"], 0.25);
+  EXPECT_EQ(json["stages"][0]["other_arithmetic"], "contracts products");
   EXPECT_EQ(json["stages"][0]["host_reason"], "it has no kernels");
   EXPECT_EQ(json["stages"][0]["device_seconds"], 0.125);
   EXPECT_EQ(json["stages"][0]["host_part"], "sums");

@@ -148,20 +148,46 @@ TEST_F(OpenClPrograms, FolderThatCannotBeMadeCostsNoError) {
   EXPECT_NO_THROW(programs(folder.path() / "cache").kernel("small_run"));
 }
 
-TEST_F(OpenClPrograms, ProbeTellsContractionApart) {
+/// Devices that compute otherwise: the sum, quotient or root of theirs, and what is said of it.
+TEST_F(OpenClPrograms, ProbeTellsWhatIsOtherwise) {
+  struct Liberty {
+    std::string sum, quotient, root, words;
+  };
+  const Liberty as_specified{"a * b + c", "a / b", "sqrt(a)", ""};
+  std::vector<Liberty> liberties(5, as_specified);
+  liberties[1].sum = "fma(a, b, c)";
+  liberties[1].words = "contracts products";
+  liberties[2].sum = "fabs(a * b + c) < 0x1p-126f ? 0.0f : a * b + c";
+  liberties[2].words = "drops sub-normal numbers";
+  liberties[3].quotient = "a * (1.0f / b)";
+  liberties[3].words = "rounds quotients otherwise than IEEE 754";
+  liberties[4].sum = "fma(a, b, c)";
+  liberties[4].root = "1.0f / (1.0f / sqrt(a))";
+  liberties[4].words = "contracts products, rounds square roots otherwise than IEEE 754";
   const TemporaryFolder folder("probe");
   const cl::CommandQueue queue(context_, device_);
-  Programs as_built(context_, device_, kOneItemShape, std::nullopt);
-  EXPECT_TRUE(arithmetic_as_specified(context_, queue, as_built));
-  const KernelSource sources[] = {
-      {"common.cl", ""},
-      {"primitives.cl",
-       "kernel void primitives_probe(global const float *f, global float *v) {\n"
-       "  const size_t i = get_global_id(0);\n"
-       "  v[i] = fma(f[3 * i], f[3 * i + 1], f[3 * i + 2]);\n"
-       "}\n"}};
-  Programs fused = programs(folder.path(), sources);
-  EXPECT_FALSE(arithmetic_as_specified(context_, queue, fused));
+  for (const Liberty& liberty : liberties) {
+    const std::string probe =
+        "#pragma OPENCL FP_CONTRACT OFF\n"
+        "kernel void primitives_probe(global const float *factors, global float *values) {\n"
+        "  const size_t i = get_global_id(0);\n"
+        "  const float a = factors[3 * i], b = factors[3 * i + 1], c = factors[3 * i + 2];\n"
+        "  values[3 * i] = " +
+        liberty.sum +
+        ";\n"
+        "  values[3 * i + 1] = " +
+        liberty.quotient +
+        ";\n"
+        "  values[3 * i + 2] = " +
+        liberty.root +
+        ";\n"
+        "}\n";
+    const KernelSource sources[] = {{"common.cl", ""}, {"primitives.cl", probe}};
+    Programs built = programs(folder.path(), sources);
+    EXPECT_EQ(other_arithmetic(context_, queue, built), liberty.words) << probe;
+  }
+  Programs ours(context_, device_, kOneItemShape, std::nullopt);
+  EXPECT_EQ(other_arithmetic(context_, queue, ours), "");
 }
 
 TEST(ProgramCache, GivesBackWhatWasStored) {

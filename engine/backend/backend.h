@@ -6,7 +6,8 @@
 ///
 /// One arithmetic for all backends: float32 and integers; +, -, *, /, square root, and fma only
 /// where it is written; no contraction; sums in an order that depends on sizes alone; ties broken
-/// by index. Two backends give the same bytes. A pass gets views alone, keeps nothing, and writes
+/// by index. Two backends give the same bytes (save one that says otherwise by
+/// Backend::other_arithmetic()). A pass gets views alone, keeps nothing, and writes
 /// only the views that are not const. It may return before it is done; passes run in the order of
 /// their calls. Views of another backend's memory are taken too, once that has settled.
 
@@ -65,6 +66,9 @@ class Backend : public Memory {
   virtual std::string name() const = 0;    ///< "tbb", "opencl"
   virtual std::string device() const = 0;  ///< what it runs on, for people
   virtual bool offers(Stage stage) const = 0;
+  /// What of its arithmetic is not the contract's, as "contracts products"; empty: gives the bytes
+  /// of all others.
+  virtual std::string other_arithmetic() const { return {}; }
   virtual std::size_t memory() const { return 0; }  ///< of the device, bytes; 0: the host's
   virtual std::size_t bytes_held() const = 0;
   virtual std::size_t bytes_peak() const = 0;

@@ -67,6 +67,10 @@ void print_run(const std::vector<BenchWay>& ways, const BenchTable& table, std::
       "  {:<18}{:>9.1f}  {} times tbb 1; buffers {:.0f} MB at most; cancelled within {:.0f} ms\n",
       "all", 1e3 * run.seconds, or_dash(one / run.seconds, "{:.2f}"),
       static_cast<double>(run.bytes_peak) * 1e-6, 1e3 * run.longest_silence);
+  if (!run.other_arithmetic.empty())
+    fmt::print(
+        "  the device {}: its surface is {:.3f} voxel from the first at most, {:.4f} on average\n",
+        run.other_arithmetic, run.largest_distance, run.mean_distance);
   if (!run.failure.empty()) fmt::print("  the device failed: {}\n", run.failure);
 }
 
@@ -90,7 +94,10 @@ Json to_json(const BenchWay& way, const BenchRun& run) {
            {"seconds", run.seconds},
            {"longest_silence", run.longest_silence},
            {"bytes_peak", run.bytes_peak},
-           {"failure", run.failure}};
+           {"failure", run.failure},
+           {"other_arithmetic", run.other_arithmetic},
+           {"largest_distance", run.largest_distance},
+           {"mean_distance", run.mean_distance}};
   for (const BenchStage& stage : run.stages) out["stages"].push_back(to_json(stage));
   return out;
 }

@@ -104,11 +104,18 @@ void print_far_points(const Report& report) {
 
 /// The devices that stages ran on, and those that failed, so that the CPU finished.
 void print_devices(const std::vector<StageReport>& stages) {
-  std::map<std::string, int> stages_on;
-  for (const StageReport& stage : stages)
-    if (stage.launches > 0 && stage.failure.empty()) ++stages_on[stage.device];
-  for (const auto& [device, count] : stages_on)
-    fmt::print("{:<10}{}: {} of {} stages\n", "Device", device, count, stages.size());
+  std::map<std::string, std::pair<int, std::string>> used;  // stages, other arithmetic
+  for (const StageReport& stage : stages) {
+    if (stage.launches == 0 || !stage.failure.empty()) continue;
+    auto& [count, arithmetic] = used[stage.device];
+    ++count;
+    arithmetic = stage.other_arithmetic;
+  }
+  for (const auto& [device, use] : used) {
+    const auto& [count, arithmetic] = use;
+    fmt::print("{:<10}{}: {} of {} stages{}\n", "Device", device, count, stages.size(),
+               arithmetic.empty() ? "" : "; it " + arithmetic + ": its bytes may not be the CPU's");
+  }
   for (const StageReport& stage : stages)
     if (!stage.failure.empty())
       fmt::print("{:<10}{} failed in {}: {}; done again on the CPU, with the same result\n",

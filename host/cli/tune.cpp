@@ -22,13 +22,16 @@ void tune(const DeviceInfo& device, int threads) {
       fmt::print("  {:<40}cannot run: {}\n", trial.shape, trial.failure);
     else
       fmt::print("  {:<40}{:>8.1f} ms{}\n", trial.shape, 1e3 * trial.seconds,
-                 trial.agrees ? "" : "  other bytes: not taken");
+                 trial.agrees ? "" : "  another surface: not taken");
     std::fflush(stdout);
   };
   const TuneResult result = tune_device(device, threads, tell);
   fmt::print("  best: {}, {:.1f} ms; oneTBB {:.1f} ms; faster than that in: {}\n",
              result.best.shape, 1e3 * result.best.seconds, 1e3 * result.tbb_seconds,
              result.stages.empty() ? "nothing" : result.stages);
+  if (!result.other_arithmetic.empty())
+    fmt::print("  it {}: its surfaces are near oneTBB's, and --backend auto does not take it\n",
+               result.other_arithmetic);
   if (!result.is_kept) fmt::print("  not remembered: the cache folder cannot be written\n");
 }
 

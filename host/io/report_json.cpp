@@ -88,6 +88,7 @@ Json to_json(const StageReport& stage) {
           {"launches", stage.launches},
           {"copies", stage.copies},
           {"bytes_copied", stage.bytes_copied},
+          {"other_arithmetic", stage.other_arithmetic},
           {"host_reason", stage.host_reason},
           {"host_part", stage.host_part},
           {"failure", stage.failure}};

@@ -4,15 +4,19 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <iterator>
 #include <map>
+#include <optional>
 #include <string_view>
+#include <utility>
 
 #include "backend/backend.h"
 #include "device_choice.h"
 #include "measure/machine.h"
 #include "median.h"
 #include "opencl/speed.h"
+#include "stages/distance.h"
 #include "tbb/backend.h"
 #include "vasamesh/errors.h"
 #include "vasamesh/pipeline.h"
@@ -134,6 +138,18 @@ class Runner {
   }
   const BenchRun& run() const { return run_; }
 
+  /// Where the bytes may be others than the first way's.
+  void compare(const Result& result, const Result& first) {
+    run_.other_arithmetic = context_.backends.front()->other_arithmetic();
+    if (run_.other_arithmetic.empty()) return;
+    const auto& spacing = volume_.geometry.spacing;
+    const double voxel = std::cbrt(spacing[0] * spacing[1] * spacing[2]);
+    const DistanceReport distance =
+        measure_distance(*context_.backends.back(), result.mesh, first.mesh, voxel);
+    run_.largest_distance = std::max(distance.to.maximum, distance.back.maximum) / voxel;
+    run_.mean_distance = std::max(distance.to.mean, distance.back.mean) / voxel;
+  }
+
  private:
   /// Stages of one name count as one.
   void gather(const std::vector<std::vector<StageReport>>& repeats, const Report& report) {
@@ -207,16 +223,22 @@ BenchTable bench(const VolumeView& volume, const Parameters& parameters,
   const tbb::global_control as_many(tbb::global_control::max_allowed_parallelism,
                                     static_cast<std::size_t>(most));
   BenchTable table;
+  std::optional<Result> first;
   std::map<std::string, std::uint64_t> wanted;
   for (const BenchWay& way : ways) {
     Runner runner(volume, parameters, way);
     runner.convert_once();
-    const Result result = runner.measure(repeat);
+    Result result = runner.measure(repeat);
     table.object_voxels = result.report.input.object_voxels;
     table.points = result.report.points;
     table.triangles = static_cast<std::int64_t>(result.mesh.triangle_count());
     const auto got = digests(result);
-    if (wanted.empty()) wanted = got;
+    if (first) {
+      runner.compare(result, *first);
+    } else {
+      first = std::move(result);
+      wanted = got;
+    }
     BenchRun& run = table.runs.emplace_back(runner.run());
     for (BenchStage& stage : run.stages) {
       const std::string name = got.contains(stage.name) ? stage.name : "surface";

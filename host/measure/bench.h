@@ -46,10 +46,14 @@ struct BenchStage {
 /// One input on one way.
 struct BenchRun {
   std::vector<BenchStage> stages;
-  double seconds = 0;           ///< of all stages: the median of the repeats
-  double longest_silence = 0;   ///< seconds between two calls of Context::progress
-  std::int64_t bytes_peak = 0;  ///< held by the backends' buffers
-  std::string failure;          ///< of the device; empty when it did not fail
+  double seconds = 0;            ///< of all stages: the median of the repeats
+  double longest_silence = 0;    ///< seconds between two calls of Context::progress
+  std::int64_t bytes_peak = 0;   ///< held by the backends' buffers
+  std::string failure;           ///< of the device; empty when it did not fail
+  std::string other_arithmetic;  ///< of the device, as of Backend
+  /// Largest and mean distance from the first way's surface, voxels; measured of a device of other
+  /// arithmetic.
+  double largest_distance = 0, mean_distance = 0;
 };
 
 struct BenchTable {

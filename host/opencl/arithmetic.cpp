@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <iterator>
+#include <string>
 
 namespace vasamesh {
 
@@ -23,6 +24,7 @@ struct Results {
   bool operator==(const Results&) const = default;
 };
 
+constexpr std::size_t kFirstSubnormal = 1;
 constexpr Operands kHardSums[] = {
     {kAboveOne, kAboveOne, -(1.0f + 0x1p-11f)},  // the product's last bit is rounded off
     {0x1p-100f, 0x1p-30f, 0.0f},                 // a sub-normal product
@@ -43,12 +45,13 @@ std::array<Operands, kProbes> probes() {
   return probes;
 }
 
-}  // namespace
+Results specified(const Operands& of) { return {of.a * of.b + of.c, of.a / of.b, std::sqrt(of.a)}; }
 
-bool arithmetic_as_specified(const cl::Context& context, const cl::CommandQueue& queue,
-                             Programs& programs) {
+/// \throws DeviceFailure
+std::array<Results, kProbes> ask_device(const cl::Context& context, const cl::CommandQueue& queue,
+                                        Programs& programs,
+                                        std::array<Operands, kProbes> operands) {
   cl_int status = CL_SUCCESS;
-  std::array<Operands, kProbes> operands = probes();
   const cl::Buffer in(context, CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR, sizeof(operands),
                       operands.data(), &status);
   check(status, "a buffer of the arithmetic's probe");
@@ -62,10 +65,35 @@ bool arithmetic_as_specified(const cl::Context& context, const cl::CommandQueue&
         "the arithmetic's probe");
   check(queue.enqueueReadBuffer(out, CL_TRUE, 0, sizeof(got), got.data()),
         "reading the arithmetic's probe");
-  return std::equal(got.begin(), got.end(), operands.begin(),
-                    [](const Results& result, const Operands& of) {
-                      return result == Results{of.a * of.b + of.c, of.a / of.b, std::sqrt(of.a)};
-                    });
+  return got;
+}
+
+}  // namespace
+
+std::string other_arithmetic(const cl::Context& context, const cl::CommandQueue& queue,
+                             Programs& programs) {
+  const std::array<Operands, kProbes> operands = probes();
+  const std::array<Results, kProbes> got = ask_device(context, queue, programs, operands);
+  bool contracts = false, drops = false, quotients = false, roots = false;
+  for (std::size_t i = 0; i < kProbes; ++i) {
+    const Results wanted = specified(operands[i]);
+    if (i >= kFirstSubnormal && i < std::size(kHardSums)) {
+      drops |= got[i] != wanted;
+      continue;
+    }
+    contracts |= got[i].sum != wanted.sum;
+    quotients |= got[i].quotient != wanted.quotient;
+    roots |= got[i].root != wanted.root;
+  }
+  std::string words;
+  const auto say = [&words](bool is_so, const char* what) {
+    if (is_so) words += (words.empty() ? "" : ", ") + std::string(what);
+  };
+  say(contracts, "contracts products");
+  say(drops, "drops sub-normal numbers");
+  say(quotients, "rounds quotients otherwise than IEEE 754");
+  say(roots, "rounds square roots otherwise than IEEE 754");
+  return words;
 }
 
 }  // namespace vasamesh

@@ -2,7 +2,10 @@
 
 /// \file
 /// Whether a device computes as the backend contract says (engine/backend/backend.h): products
-/// rounded before they are added, sub-normal numbers kept, quotients and square roots rounded rightly.
+/// rounded before they are added, sub-normal numbers kept, quotients and square roots rounded
+/// rightly.
+
+#include <string>
 
 #include "opencl/check.h"
 #include "opencl/program.h"
@@ -10,7 +13,10 @@
 namespace vasamesh {
 
 /// Asks the device for products, sums, quotients and roots whose last bits tell.
-bool arithmetic_as_specified(const cl::Context& context, const cl::CommandQueue& queue,
+/// \return what it does otherwise, as "contracts products, drops sub-normal numbers"; empty where
+/// it
+///         computes as specified.
+std::string other_arithmetic(const cl::Context& context, const cl::CommandQueue& queue,
                              Programs& programs);
 
 }  // namespace vasamesh

@@ -47,6 +47,9 @@ struct OpenClOptions {
   /// Runs the host's part of stages; null: the calling thread does.
   std::shared_ptr<Backend> workers;
   std::shared_ptr<ByteAccount> total;  ///< shared with other backends, or null
+  /// Takes a device whose arithmetic is not the contract's, which Backend::other_arithmetic() then
+  /// tells, for all stages but the proof.
+  bool any_arithmetic = false;
   /// Asked while the device is opened, which may take its compiler some seconds; as of Context.
   const std::atomic<bool>* cancel = nullptr;
 };
@@ -64,7 +67,7 @@ WorkShape usual_opencl_shape(int device);
 
 /// Opens a device. Its passes may be called from one thread at a time.
 /// \throws Error no_device: no such device, it cannot be opened, or it does not compute as the
-///         backend contract says; cancelled.
+///         backend contract says and need not be taken all the same; cancelled.
 std::shared_ptr<Backend> make_opencl_backend(const OpenClOptions& options);
 
 }  // namespace vasamesh

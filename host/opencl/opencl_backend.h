@@ -43,6 +43,7 @@ class OpenClBackend final : public Backend {
 
   std::string name() const override { return "opencl"; }
   std::string device() const override { return device_name_; }
+  std::string other_arithmetic() const override { return other_arithmetic_; }
   bool offers(Stage stage) const override {
     return stage < Stage::mesh && (stages_ & bit_of(stage));
   }
@@ -281,7 +282,7 @@ class OpenClBackend final : public Backend {
   View<const CubeCase> cube_cases();
 
   cl::Device device_;
-  std::string device_name_;
+  std::string device_name_, other_arithmetic_;
   std::size_t largest_buffer_, global_memory_;
   cl::Context context_;
   cl::CommandQueue queue_;

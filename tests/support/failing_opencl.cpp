@@ -19,6 +19,7 @@ struct State {
   std::size_t first = kForEver, count = 0;
   std::optional<Call> wanted;
   std::map<cl_device_info, cl_ulong> pretended;
+  std::string options;
 };
 
 State& state() {
@@ -50,11 +51,29 @@ void pretend_answer(cl_device_info property, std::size_t size, void* value) {
 
 /// The loader's own function.
 template <class Function>
-Function* next(const char* name) {
+Function* real_function(const char* name) {
   static void* const loader = dlopen("libOpenCL.so.1", RTLD_NOW);
   void* const function = loader ? dlsym(loader, name) : nullptr;
   if (!function) std::abort();
   return reinterpret_cast<Function*>(function);
+}
+
+cl_int build_as_pretended(cl_program program, cl_uint count, const cl_device_id* devices,
+                          const char* options, void (*notify)(cl_program, void*), void* data) {
+  static auto* const build = real_function<decltype(clBuildProgram)>("clBuildProgram");
+  std::string all = options ? options : "";
+  {
+    const std::scoped_lock lock(state().mutex);
+    all += " " + state().options;
+  }
+  return build(program, count, devices, all.c_str(), notify, data);
+}
+
+/// What a call is passed on to.
+template <class Function>
+Function* next(const char* name) {
+  if constexpr (std::is_same_v<Function, decltype(clBuildProgram)>) return build_as_pretended;
+  return real_function<Function>(name);
 }
 
 }  // namespace
@@ -64,6 +83,7 @@ void fail(std::size_t first, std::size_t count) {
   const std::scoped_lock lock(s.mutex);
   s.calls.clear();
   s.pretended.clear();
+  s.options.clear();
   s.wanted.reset();
   s.first = first;
   s.count = count;
@@ -87,6 +107,12 @@ void pretend(cl_device_info property, cl_ulong value) {
   State& s = state();
   const std::scoped_lock lock(s.mutex);
   s.pretended[property] = value;
+}
+
+void pretend_options(const std::string& options) {
+  State& s = state();
+  const std::scoped_lock lock(s.mutex);
+  s.options = options;
 }
 
 }  // namespace vasamesh::failing_opencl

@@ -66,10 +66,12 @@ struct StageReport {
   std::int64_t launches = 0;    ///< of a device's kernels
   std::int64_t copies = 0;      ///< to and from a device's own memory
   std::int64_t bytes_copied = 0;
-  std::string host_reason;  ///< why it ran on the CPU though there was a device; else empty
-  std::string host_part;    ///< what of it ran on the CPU beside the device; else empty
-  std::string failure;      ///< of the device, after which the stages were run again on the
-                            ///< CPU; empty when it did not fail
+  std::string other_arithmetic;  ///< what of the device's is not as specified, so that it may give
+                                 ///< other bytes than the CPU; else empty
+  std::string host_reason;       ///< why it ran on the CPU though there was a device; else empty
+  std::string host_part;         ///< what of it ran on the CPU beside the device; else empty
+  std::string failure;           ///< of the device, after which the stages were run again on the
+                                 ///< CPU; empty when it did not fail
 };
 
 /// One level of the octree as it was solved.

@@ -45,8 +45,9 @@ struct ContextOptions {
 /// Opens the devices. What first lists OpenCL's devices in a process, here or in list_devices(),
 /// sets the environment variable POCL_CACHE_DIR for as long as it takes: no other thread may read
 /// or change the environment meanwhile (docs/backends.md). With "opencl" the stages that have
-/// kernels run on the OpenCL device, the others on oneTBB; the report names each. \throws Error
-/// no_device, usage, cancelled.
+/// kernels run on the OpenCL device, the others on oneTBB; the report names each, and says where a
+/// device's arithmetic is such that it may give other bytes than the CPU; "auto" takes no such
+/// device. \throws Error no_device, usage, cancelled.
 Context make_context(const ContextOptions& options);
 
 }  // namespace vasamesh
