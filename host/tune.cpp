@@ -175,17 +175,23 @@ Tuner::Timed Tuner::timed(std::vector<std::shared_ptr<Backend>> backends) const 
   return best;
 }
 
-/// The stages in which a device beats the host; none where it cannot be told.
-std::uint32_t tried_stages(const DeviceInfo& device, const std::shared_ptr<Backend>& host,
-                           const std::atomic<bool>* cancel) {
+DeviceWorth worth_in(std::uint32_t stages, const DeviceInfo& device) {
+  return {stages, stages ? "" : device.name + " was not faster than the processor in any stage"};
+}
+
+/// What the trial of a device in the shape that it has comes to.
+DeviceWorth tried(const DeviceInfo& device, const std::shared_ptr<Backend>& host,
+                  const std::atomic<bool>* cancel) {
   const int index = device.opencl_index;
   try {
     Tuner tuner(device, host, false, cancel);
-    tuner.attempt(load_shape(index, {}).value_or(usual_opencl_shape(index)), "usual");
-    return tuner.stages();
+    const TuneTrial trial =
+        tuner.attempt(load_shape(index, {}).value_or(usual_opencl_shape(index)), "usual");
+    if (!trial.failure.empty()) return {0, device.name + " failed in its trial: " + trial.failure};
+    return worth_in(tuner.stages(), device);
   } catch (const Error& error) {
     if (error.code() == ErrorCode::cancelled) throw;
-    return 0;
+    return {0, device.name + " failed in its trial: " + error.what()};
   }
 }
 
@@ -210,8 +216,11 @@ TuneResult tune_device(const DeviceInfo& device, int threads,
     throw Error(ErrorCode::no_device, device.name + " gives other surfaces than oneTBB, or none (" +
                                           failure + "): use --backend tbb");
   const std::string& other = tuner.other_arithmetic();
-  const bool is_kept = store_shape(index, {}, tuner.shape()) &&
-                       store_stages(index, {}, name_of(*host), other.empty() ? tuner.stages() : 0);
+  const DeviceWorth worth =
+      other.empty() ? worth_in(tuner.stages(), device)
+                    : DeviceWorth{0, device.name + " " + other + ": its bytes may be others"};
+  const bool is_kept =
+      store_shape(index, {}, tuner.shape()) && store_worth(index, {}, name_of(*host), worth);
   return {tuner.best(), tuner.tbb_seconds(), tuner.stage_names(), other, is_kept};
 }
 
@@ -219,29 +228,23 @@ DeviceWorth worth_of(const DeviceInfo& device, const std::shared_ptr<Backend>& h
                      const std::atomic<bool>* cancel) {
   const int index = device.opencl_index;
   const std::string beside = name_of(*host);
-  std::optional<std::uint32_t> stages = load_stages(index, {}, beside);
-  if (stages == kTrialBegun)
+  if (const auto known = load_worth(index, {}, beside)) return *known;
+  // First of all, so that a driver that takes the program down does so once.
+  if (!store_worth(
+          index, {}, beside,
+          {0, device.name + " was not tried to the end, or is being tried: try it with vasamesh "
+                            "tune, or name the device"}))
     return {0, device.name +
-                   " was not tried to the end, or is being tried: try it with vasamesh tune, or "
-                   "name the device"};
-  if (!stages) {
-    // First of all, so that a driver that takes the program down does so once.
-    if (!store_stages(index, {}, beside, kTrialBegun))
-      return {0, device.name +
-                     " was not tried, since the cache folder cannot be written: make it one that "
-                     "can, or name the device"};
-    try {
-      stages = tried_stages(device, host, cancel);
-    } catch (const Error&) {
-      forget_stages(index, {}, beside);
-      throw;
-    }
-    store_stages(index, {}, beside, *stages);
+                   " was not tried, since the cache folder cannot be written: make it one that "
+                   "can, or name the device"};
+  try {
+    const DeviceWorth worth = tried(device, host, cancel);
+    store_worth(index, {}, beside, worth);
+    return worth;
+  } catch (const Error&) {
+    forget_worth(index, {}, beside);
+    throw;
   }
-  return {*stages, *stages ? ""
-                           : device.name +
-                                 " was not faster than the processor in any stage, or gives other "
-                                 "bytes, or none: see vasamesh tune"};
 }
 
 }  // namespace vasamesh

@@ -12,6 +12,7 @@
 #include <string>
 
 #include "backend/backend.h"
+#include "opencl/tuning.h"
 #include "vasamesh/host.h"
 
 namespace vasamesh {
@@ -39,16 +40,10 @@ struct TuneResult {
 TuneResult tune_device(const DeviceInfo& device, int threads,
                        const std::function<void(const TuneTrial&)>& tell);
 
-/// What a device is worth to `auto`.
-struct DeviceWorth {
-  std::uint32_t stages = 0;  ///< bit_of each in which it beats oneTBB
-  std::string reason;        ///< why there are none
-};
-
-/// Found by a trial beside the oneTBB backend `host`, and remembered also where that failed, until
-/// tune_device() finds otherwise. Without a trial where nothing can be remembered: it would be
-/// tried each time.
-/// \param cancel  as of Context. \throws Error cancelled.
+/// What a device is worth to `auto`: found by a trial beside the oneTBB backend `host`, and
+/// remembered also where that failed, until tune_device() finds otherwise. Without a trial where
+/// nothing can be remembered: it would be tried each time. \param cancel  as of Context. \throws
+/// Error cancelled.
 DeviceWorth worth_of(const DeviceInfo& device, const std::shared_ptr<Backend>& host,
                      const std::atomic<bool>* cancel);
 

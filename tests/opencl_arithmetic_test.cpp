@@ -91,7 +91,7 @@ TEST_F(OtherArithmetic, TunedForThoseWhoNameIt) {
   EXPECT_TRUE(load_shape(device.opencl_index, {}));
   const DeviceWorth worth = worth_of(device, make_tbb_backend(2, nullptr), nullptr);
   EXPECT_EQ(worth.stages, 0u);
-  EXPECT_NE(worth.reason.find("other bytes"), std::string::npos) << worth.reason;
+  EXPECT_NE(worth.reason.find(kSaid), std::string::npos) << worth.reason;
 }
 
 TEST_F(OtherArithmetic, BenchTellsHowFarTheSurfaceIs) {

@@ -213,23 +213,26 @@ TEST_F(OpenClDevices, TuningIsRememberedAndUsed) {
   const Scratch folder;
   const std::string cache = folder / "cache";
   EXPECT_FALSE(load_shape(0, cache));
-  EXPECT_FALSE(load_stages(0, cache, "a processor"));
+  EXPECT_FALSE(load_worth(0, cache, "a processor"));
   const WorkShape shape = {32, 128, 8, 256, 128};
-  const std::uint32_t stages = bit_of(Stage::poisson) | bit_of(Stage::lattice);
+  const DeviceWorth worth = {bit_of(Stage::poisson) | bit_of(Stage::lattice), ""};
+  const DeviceWorth none = {0, "it was slower"};
   EXPECT_TRUE(store_shape(0, cache, shape));
-  EXPECT_TRUE(store_stages(0, cache, "a processor", stages));
+  EXPECT_TRUE(store_worth(0, cache, "a processor", worth));
+  EXPECT_TRUE(store_worth(0, cache, "another processor", none));
   ASSERT_TRUE(load_shape(0, cache));
   EXPECT_EQ(*load_shape(0, cache), shape);
-  EXPECT_EQ(load_stages(0, cache, "a processor"), stages);
-  EXPECT_FALSE(load_stages(0, cache, "another processor"));
-  forget_stages(0, cache, "a processor");
-  EXPECT_FALSE(load_stages(0, cache, "a processor"));
+  EXPECT_EQ(load_worth(0, cache, "a processor"), worth);
+  EXPECT_EQ(load_worth(0, cache, "another processor"), none);
+  EXPECT_FALSE(load_worth(0, cache, "a third processor"));
+  forget_worth(0, cache, "a processor");
+  EXPECT_FALSE(load_worth(0, cache, "a processor"));
   EXPECT_TRUE(load_shape(0, cache));
 }
 
 TEST_F(OpenClDevices, TuningThatCannotBeKeptIsSaidSo) {
   EXPECT_FALSE(store_shape(0, "/proc/none", kOneItemShape));
-  EXPECT_FALSE(store_stages(0, "/proc/none", "a processor", 1));
+  EXPECT_FALSE(store_worth(0, "/proc/none", "a processor", {}));
 }
 
 TEST_F(OpenClDevices, StagesCanBeLeftToOthers) {

@@ -19,8 +19,8 @@ std::string key_of(int number, const std::string& what) {
 }
 
 std::string shape_key(int device) { return key_of(device, "shape 1"); }
-std::string stages_key(int device, const std::string& host) {
-  return key_of(device, "stages 1 beside " + host);
+std::string worth_key(int device, const std::string& host) {
+  return key_of(device, "worth 1 beside " + host);
 }
 
 }  // namespace
@@ -53,23 +53,26 @@ bool store_shape(int device, const std::string& cache_folder, const WorkShape& s
   return ProgramCache(cache_folder).store(shape_key(device), stream.str());
 }
 
-std::optional<std::uint32_t> load_stages(int device, const std::string& cache_folder,
-                                         const std::string& host) {
-  const std::optional<std::string> text = ProgramCache(cache_folder).load(stages_key(device, host));
+std::optional<DeviceWorth> load_worth(int device, const std::string& cache_folder,
+                                      const std::string& host) {
+  const std::optional<std::string> text = ProgramCache(cache_folder).load(worth_key(device, host));
   if (!text) return std::nullopt;
   std::istringstream stream(*text);
-  std::uint32_t stages = 0;
-  stream >> stages;
-  return stream ? std::optional(stages) : std::nullopt;
+  DeviceWorth worth;
+  stream >> worth.stages >> std::ws;
+  if (!stream) return std::nullopt;
+  std::getline(stream, worth.reason);
+  return worth;
 }
 
-bool store_stages(int device, const std::string& cache_folder, const std::string& host,
-                  std::uint32_t stages) {
-  return ProgramCache(cache_folder).store(stages_key(device, host), std::to_string(stages) + "\n");
+bool store_worth(int device, const std::string& cache_folder, const std::string& host,
+                 const DeviceWorth& worth) {
+  return ProgramCache(cache_folder)
+      .store(worth_key(device, host), std::to_string(worth.stages) + "\n" + worth.reason + "\n");
 }
 
-void forget_stages(int device, const std::string& cache_folder, const std::string& host) {
-  ProgramCache(cache_folder).remove(stages_key(device, host));
+void forget_worth(int device, const std::string& cache_folder, const std::string& host) {
+  ProgramCache(cache_folder).remove(worth_key(device, host));
 }
 
 }  // namespace vasamesh

@@ -1,6 +1,7 @@
 #include "support/failing_opencl.h"
 
 #include <dlfcn.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cstdlib>
@@ -18,6 +19,7 @@ struct State {
   std::vector<Call> calls;
   std::size_t first = kForEver, count = 0;
   std::optional<Call> wanted;
+  std::string last;  // at which the program ends
   std::map<cl_device_info, cl_ulong> pretended;
   std::string options;
 };
@@ -33,6 +35,7 @@ bool fails(const char* function, const void* site) {
   const std::scoped_lock lock(s.mutex);
   const std::size_t index = s.calls.size();
   s.calls.push_back({function, site});
+  if (s.last == function) _exit(kExit);
   if (s.wanted == s.calls.back()) {
     s.wanted.reset();
     return true;
@@ -85,6 +88,7 @@ void fail(std::size_t first, std::size_t count) {
   s.pretended.clear();
   s.options.clear();
   s.wanted.reset();
+  s.last.clear();
   s.first = first;
   s.count = count;
 }
@@ -93,6 +97,12 @@ void fail_at(const Call& call) {
   reset();
   const std::scoped_lock lock(state().mutex);
   state().wanted = call;
+}
+
+void exit_at(const std::string& function) {
+  reset();
+  const std::scoped_lock lock(state().mutex);
+  state().last = function;
 }
 
 void reset() { fail(kForEver, 0); }

@@ -35,6 +35,10 @@ void fail(std::size_t first, std::size_t count = 1);
 /// As reset(), and fails the next call of that function from that place.
 void fail_at(const Call& call);
 
+/// The program ends with this code at the next call of that function, until reset().
+inline constexpr int kExit = 99;
+void exit_at(const std::string& function);
+
 /// The calls since the last reset() or fail(), in order. Releases are counted, too.
 std::vector<Call> calls();
 
