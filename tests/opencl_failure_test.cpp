@@ -14,6 +14,7 @@
 
 #include "backend/backend.h"
 #include "opencl/backend.h"
+#include "opencl/opencl_backend.h"
 #include "opencl/tuning.h"
 #include "phantom/phantom.h"
 #include "support/environment.h"
@@ -106,7 +107,16 @@ Ending convert_failing(const std::function<void()>& make_fail, bool again = fals
 }
 
 /// Work-groups and memory of its own, as a GPU has.
-void pretend_gpu() { failing::pretend(CL_DEVICE_TYPE, CL_DEVICE_TYPE_GPU); }
+void pretend_gpu() {
+  failing::pretend(CL_DEVICE_TYPE, CL_DEVICE_TYPE_GPU);
+  failing::pretend(CL_DEVICE_HOST_UNIFIED_MEMORY, CL_FALSE);
+}
+
+/// In the host's memory.
+void pretend_integrated_gpu() {
+  failing::pretend(CL_DEVICE_TYPE, CL_DEVICE_TYPE_GPU);
+  failing::pretend(CL_DEVICE_HOST_UNIFIED_MEMORY, CL_TRUE);
+}
 
 /// The calls of a conversion in which nothing fails, its programs in the cache.
 std::vector<failing::Call> calls_of_a_conversion(const std::function<void()>& pretend = [] {}) {
@@ -135,21 +145,26 @@ class OpenClFailure : public ::testing::Test {
   void TearDown() override { failing::reset(); }
 };
 
+/// \param pretend  what the device is, which a failure makes forgotten.
+Ending convert_failing_at(const failing::Call& site, const std::function<void()>& pretend) {
+  SCOPED_TRACE(site.function);
+  const auto fail = [&] {
+    failing::fail_at(site);
+    pretend();
+  };
+  return convert_failing(fail, true);
+}
+
 /// \return the sites.
 std::set<failing::Call> fail_every_call_site(const std::function<void()>& pretend) {
   const std::vector<failing::Call> calls = calls_of_a_conversion(pretend);
   const std::set<failing::Call> sites(calls.begin(), calls.end());
   std::set<Ending> endings;
   for (const failing::Call& call : sites) {
-    SCOPED_TRACE(call.function);
-    const auto fail = [&] {
-      failing::fail_at(call);
-      pretend();
-    };
-    const Ending ending = convert_failing(fail, true);
+    const Ending ending = convert_failing_at(call, pretend);
     endings.insert(ending);
     if (!harmless(call.function)) {
-      EXPECT_NE(ending, Ending::unharmed);
+      EXPECT_NE(ending, Ending::unharmed) << call.function;
     }
   }
   EXPECT_EQ(endings.size(), 3u);
@@ -166,6 +181,21 @@ TEST_F(OpenClFailure, EveryCallSiteWithMemoryOfItsOwn) {
   EXPECT_TRUE(std::any_of(sites.begin(), sites.end(), [](const failing::Call& call) {
     return call.function == "clEnqueueMapBuffer";  // of pinned memory
   }));
+}
+
+/// Where the host takes memory from the device and gives it back; when it is released, unseen.
+TEST_F(OpenClFailure, EveryMapping) {
+  std::set<failing::Call> sites;
+  for (const failing::Call& call : calls_of_a_conversion(pretend_integrated_gpu))
+    if (call.function == "clEnqueueMapBuffer" || call.function == "clEnqueueUnmapMemObject")
+      sites.insert(call);
+  int seen = 0;
+  for (const failing::Call& call : sites) {
+    const Ending ending = convert_failing_at(call, pretend_integrated_gpu);
+    EXPECT_NE(ending, Ending::refused) << call.function;
+    seen += ending == Ending::finished_on_tbb;
+  }
+  EXPECT_GE(seen, 2);
 }
 
 TEST_F(OpenClFailure, TwoHundredCallsSpreadOverAConversion) {
@@ -337,6 +367,46 @@ TEST_F(OpenClFailure, DeviceThatIsNoCpuGivesTheSameBytesAndIsCopiedTo) {
   EXPECT_GT(launches, 100);
   EXPECT_GT(copies, 10);
   EXPECT_GT(bytes, 10000);
+}
+
+/// Never at once: the layer counts kernels launched on what the host has.
+TEST_F(OpenClFailure, IntegratedGpuHasTheHostsMemoryInTurn) {
+  pretend_integrated_gpu();
+  const Result result = convert_on("opencl");
+  EXPECT_FALSE(fell_back(result.report));
+  EXPECT_EQ(result.mesh.vertices, wanted().vertices);
+  EXPECT_EQ(result.mesh.triangles, wanted().triangles);
+  std::int64_t launches = 0;
+  for (const StageReport& stage : result.report.stages) {
+    launches += stage.launches;
+    EXPECT_EQ(stage.copies, 0) << stage.name;
+  }
+  EXPECT_GT(launches, 100);
+  EXPECT_EQ(failing::launches_on_mapped(), 0u);
+  const std::vector<failing::Call> calls = failing::calls();
+  EXPECT_GT(std::count_if(calls.begin(), calls.end(),
+                          [](const auto& call) { return call.function == "clEnqueueMapBuffer"; }),
+            50);
+}
+
+TEST_F(OpenClFailure, LaunchOnMappedMemoryIsSeen) {
+  const cl::Context context(opencl_devices()[0]);
+  const cl::CommandQueue queue(context, opencl_devices()[0]);
+  cl::Program program(context, "kernel void set(global int *at) { *at = 1; }");
+  ASSERT_EQ(program.build(), CL_SUCCESS);
+  cl::Kernel kernel(program, "set");
+  const cl::Buffer memory(context, CL_MEM_READ_WRITE, sizeof(cl_int));
+  const auto launch = [&] {
+    kernel.setArg(0, memory);
+    queue.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(1));
+    queue.finish();
+  };
+  void* const at = queue.enqueueMapBuffer(memory, CL_TRUE, CL_MAP_READ, 0, sizeof(cl_int));
+  launch();
+  EXPECT_EQ(failing::launches_on_mapped(), 1u);
+  queue.enqueueUnmapMemObject(memory, at);
+  launch();
+  EXPECT_EQ(failing::launches_on_mapped(), 1u);
 }
 
 TEST_F(OpenClFailure, DeviceWithoutDoublesServes) {

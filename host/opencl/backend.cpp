@@ -33,8 +33,10 @@ WorkShape shape_for(const cl::Device& device, const OpenClOptions& options) {
   return load_shape(options.device, options.cache_folder).value_or(usual_shape(device));
 }
 
-bool shares_memory(const cl::Device& device, DeviceCopies wanted) {
-  return wanted == DeviceCopies::by_device ? is_cpu(device) : wanted == DeviceCopies::shared;
+DeviceCopies copies_on(const cl::Device& device, DeviceCopies wanted) {
+  if (wanted != DeviceCopies::by_device) return wanted;
+  if (is_cpu(device)) return DeviceCopies::shared;
+  return ask<CL_DEVICE_HOST_UNIFIED_MEMORY>(device) ? DeviceCopies::mapped : DeviceCopies::separate;
 }
 
 std::function<void()> opening_checkpoint(const std::atomic<bool>* cancel) {
@@ -63,14 +65,14 @@ std::shared_ptr<Backend> make_opencl_backend(const OpenClOptions& options) {
   const cl::Device& device = devices[static_cast<std::size_t>(options.device)];
   try {
     return std::make_shared<OpenClBackend>(device, shape_for(device, options),
-                                           shares_memory(device, options.copies), options);
+                                           copies_on(device, options.copies), options);
   } catch (const DeviceFailure& failure) {
     throw Error(ErrorCode::no_device, std::string("the OpenCL device cannot be opened: ") +
                                           failure.what() + "; see vasamesh devices");
   }
 }
 
-OpenClBackend::OpenClBackend(cl::Device device, const WorkShape& shape, bool shared_memory,
+OpenClBackend::OpenClBackend(cl::Device device, const WorkShape& shape, DeviceCopies copies,
                              const OpenClOptions& options)
     : device_(std::move(device)),
       device_name_(ask<CL_DEVICE_NAME>(device_)),
@@ -88,7 +90,7 @@ OpenClBackend::OpenClBackend(cl::Device device, const WorkShape& shape, bool sha
   check(status, "a queue on " + device_name_);
   programs_.emplace(context_, device_, shape_, cache_for(device_, options.cache_folder));
   programs_->set_checkpoint(opening_checkpoint(options.cancel));
-  memory_.emplace(context_, queue_, device_name_, shared_memory);
+  memory_.emplace(context_, queue_, device_name_, copies);
   other_arithmetic_ = vasamesh::other_arithmetic(context_, queue_, *programs_);
   if (!other_arithmetic_.empty()) {
     if (!options.any_arithmetic)

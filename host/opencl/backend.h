@@ -29,8 +29,9 @@ enum class KernelShape {
 
 /// Where a device's copy of a buffer lies.
 enum class DeviceCopies {
-  by_device,  ///< shared on a CPU, separate elsewhere
-  shared,     ///< in the host's memory
+  by_device,  ///< shared on a CPU, mapped on others that have the host's memory, else separate
+  shared,     ///< in the host's memory, which both see at any time
+  mapped,     ///< in the host's memory, which they have in turn
   separate,   ///< in memory of its own
 };
 

@@ -17,11 +17,11 @@ constexpr std::align_val_t kPage{4096};  // what devices ask for that shall work
 }  // namespace
 
 DeviceMemory::DeviceMemory(cl::Context context, cl::CommandQueue queue, std::string device,
-                           bool shared)
+                           DeviceCopies copies)
     : context_(std::move(context)),
       queue_(std::move(queue)),
       device_(std::move(device)),
-      shared_(shared),
+      where_(copies),
       pinned_(context_, queue_, device_) {}
 
 /// What the device may still use when it does not answer any more is never freed.
@@ -45,8 +45,7 @@ void* DeviceMemory::allocate(std::size_t bytes) {
     throw Error(ErrorCode::refused,
                 "out of memory: " + std::to_string(bytes) + " bytes could not be had");
   try {
-    allocations_[host] = {
-        create(bytes, shared_ ? CL_MEM_USE_HOST_PTR : 0, shared_ ? host : nullptr), bytes};
+    allocations_[host] = {create(bytes, host), bytes, is_mapped()};
   } catch (...) {
     ::operator delete(host, kPage);
     throw;
@@ -54,12 +53,13 @@ void* DeviceMemory::allocate(std::size_t bytes) {
   return host;
 }
 
-/// Commands that are queued may still use memory that is shared: it is kept until a wait is over.
+/// Commands that are queued may still use the host's memory: it is kept until a wait is over.
 void DeviceMemory::release(void* handle) noexcept {
   const auto found = allocations_.find(handle);
   const Allocation allocation = found->second;
   allocations_.erase(found);
-  if (shared_ && !idle_)
+  if (is_mapped() && allocation.device_stale) unmap(allocation.memory, handle);
+  if (!is_separate() && !idle_)
     left_.emplace_back(handle, allocation);
   else
     give_back(handle, allocation);
@@ -78,11 +78,10 @@ void DeviceMemory::give_back_left() {
 cl_mem DeviceMemory::on_device(void* handle, std::size_t bytes, bool writes) {
   if (!handle) return nullptr;
   Allocation* own = find(handle);
-  if (own && own->device_stale) copy_in(own->memory, 0, handle, own->bytes);
   if (!own) return lend(handle, bytes, writes);
-  if (shared_) return own->memory;
-  own->device_stale = false;
-  own->host_stale |= writes;
+  if (is_shared()) return own->memory;
+  hand_to_device(handle, *own);
+  own->host_stale |= writes || is_mapped();
   return own->memory;
 }
 
@@ -98,38 +97,45 @@ void DeviceMemory::finish_loans() {
     throw;
   }
   for (const Loan& loan : loans)
-    if (loan.writes && !shared_) copy_out(loan.memory(), 0, loan.address, loan.bytes);
+    if (loan.writes) take_back(loan);
+}
+
+void DeviceMemory::take_back(const Loan& loan) {
+  if (is_separate()) copy_out(loan.memory(), 0, loan.address, loan.bytes);
+  if (!is_mapped()) return;
+  map(loan.memory(), loan.bytes);
+  check(unmap(loan.memory(), loan.address), "taking memory back from " + device_);
+  check(queue_.finish(), "taking memory back from " + device_);
 }
 
 void DeviceMemory::bring_to_host(void* handle, bool writes) {
   wait();
-  Allocation* own = shared_ ? nullptr : find(handle);
+  Allocation* own = is_shared() ? nullptr : find(handle);
   if (!own) return;
-  copy_to_host(handle, *own);
+  take_to_host(handle, *own);
   own->device_stale |= writes;
 }
 
 void DeviceMemory::settle() {
   wait();
-  if (shared_) return;
+  if (is_shared()) return;
   for (auto& [handle, own] : allocations_) {
-    copy_to_host(const_cast<void*>(handle), own);
+    take_to_host(const_cast<void*>(handle), own);
     own.device_stale = true;
   }
 }
 
 void DeviceMemory::write(void* handle, std::size_t offset, const void* from, std::size_t bytes) {
   const Allocation* own = find(handle);
-  if (own && shared_) wait();
-  if (!own || shared_ || !own->host_stale)
-    std::memcpy(static_cast<std::byte*>(handle) + offset, from, bytes);
-  if (own && !shared_ && !own->device_stale) copy_in(own->memory, offset, from, bytes);
+  if (own && !is_separate()) bring_to_host(handle, true);
+  if (!own || !own->host_stale) std::memcpy(static_cast<std::byte*>(handle) + offset, from, bytes);
+  if (own && is_separate() && !own->device_stale) copy_in(own->memory, offset, from, bytes);
 }
 
 void DeviceMemory::read(const void* handle, std::size_t offset, void* to, std::size_t bytes) {
   const Allocation* own = find(handle);
-  if (own && !shared_ && !own->device_stale) return copy_out(own->memory, offset, to, bytes);
-  if (own && shared_) wait();
+  if (own && is_separate() && !own->device_stale) return copy_out(own->memory, offset, to, bytes);
+  if (own && !is_separate()) bring_to_host(const_cast<void*>(handle), false);
   std::memcpy(to, static_cast<const std::byte*>(handle) + offset, bytes);
 }
 
@@ -150,25 +156,55 @@ void DeviceMemory::count_copy(std::size_t bytes) {
   bytes_copied_ += static_cast<std::int64_t>(bytes);
 }
 
-cl_mem DeviceMemory::create(std::size_t bytes, cl_mem_flags flags, void* host) {
+/// As much memory on the device, or that of the host.
+cl_mem DeviceMemory::create(std::size_t bytes, void* host) {
   cl_int status = CL_SUCCESS;
-  cl_mem memory = clCreateBuffer(context_(), CL_MEM_READ_WRITE | flags, bytes, host, &status);
+  cl_mem memory =
+      clCreateBuffer(context_(), CL_MEM_READ_WRITE | (is_separate() ? 0 : CL_MEM_USE_HOST_PTR),
+                     bytes, is_separate() ? nullptr : host, &status);
   check(status, "allocating " + std::to_string(bytes) + " bytes on " + device_);
   return memory;
 }
 
 cl_mem DeviceMemory::lend(void* address, std::size_t bytes, bool writes) {
-  const cl_mem memory =
-      create(bytes, shared_ ? CL_MEM_USE_HOST_PTR : 0, shared_ ? address : nullptr);
+  const cl_mem memory = create(bytes, address);
   loans_.push_back({cl::Buffer(memory), address, bytes, writes});
-  if (!shared_) copy_in(memory, 0, address, bytes);
+  if (is_separate()) copy_in(memory, 0, address, bytes);
   return memory;
 }
 
-void DeviceMemory::copy_to_host(void* handle, Allocation& own) {
+/// The host gets the memory, once the commands before have ended.
+void DeviceMemory::map(cl_mem memory, std::size_t bytes) {
+  cl_int status = CL_SUCCESS;
+  clEnqueueMapBuffer(queue_(), memory, CL_TRUE, CL_MAP_READ | CL_MAP_WRITE, 0, bytes, 0, nullptr,
+                     nullptr, &status);
+  check(status, "mapping memory of " + device_);
+}
+
+/// The device gets it, before the commands that follow.
+cl_int DeviceMemory::unmap(cl_mem memory, void* host) {
+  idle_ = false;
+  return clEnqueueUnmapMemObject(queue_(), memory, host, 0, nullptr, nullptr);
+}
+
+void DeviceMemory::hand_to_device(void* handle, Allocation& own) {
+  if (!own.device_stale) return;
+  if (is_mapped())
+    check(unmap(own.memory, handle), "giving memory to " + device_);
+  else
+    copy_in(own.memory, 0, handle, own.bytes);
+  own.device_stale = false;
+}
+
+/// \pre nothing is queued.
+void DeviceMemory::take_to_host(void* handle, Allocation& own) {
   if (!own.host_stale) return;
-  copy_out(own.memory, 0, handle, own.bytes);
+  if (is_mapped())
+    map(own.memory, own.bytes);
+  else
+    copy_out(own.memory, 0, handle, own.bytes);
   own.host_stale = false;
+  own.device_stale |= is_mapped();
 }
 
 /// Null for another backend's memory.

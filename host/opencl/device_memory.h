@@ -2,8 +2,9 @@
 
 /// \file
 /// Memory that the host and an OpenCL device share. On a device that works in the host's own memory
-/// (a CPU) the host's allocation is the device's, and nothing is copied. Elsewhere each has its
-/// own, and the stale one is brought up to date when it is next looked at.
+/// the host's allocation is the device's, and nothing is copied: a CPU sees it at any time, others
+/// have it in turn with the host, which maps it when it looks at it. Elsewhere each has its own,
+/// and the stale one is brought up to date when it is next looked at.
 
 #include <cstddef>
 #include <cstdint>
@@ -13,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "opencl/backend.h"
 #include "opencl/check.h"
 #include "opencl/pinned_copies.h"
 
@@ -20,8 +22,9 @@ namespace vasamesh {
 
 class DeviceMemory {
  public:
-  /// \param shared  the device works in the host's memory.
-  DeviceMemory(cl::Context context, cl::CommandQueue queue, std::string device, bool shared);
+  /// \param copies  not by_device.
+  DeviceMemory(cl::Context context, cl::CommandQueue queue, std::string device,
+               DeviceCopies copies);
   ~DeviceMemory();
   DeviceMemory(const DeviceMemory&) = delete;
   DeviceMemory& operator=(const DeviceMemory&) = delete;
@@ -75,7 +78,8 @@ class DeviceMemory {
   struct Allocation {
     cl_mem memory = nullptr;
     std::size_t bytes = 0;
-    bool host_stale = false, device_stale = false;  // never when shared
+    /// Neither when shared. When mapped, one of them: the other side has the memory.
+    bool host_stale = false, device_stale = false;
   };
   struct Loan {
     cl::Buffer memory;
@@ -85,20 +89,27 @@ class DeviceMemory {
   };
 
   void finish_loans();
+  void take_back(const Loan& loan);
   void give_back(void* handle, const Allocation& allocation);
   void give_back_left();
-  cl_mem create(std::size_t bytes, cl_mem_flags flags, void* host);
+  bool is_shared() const { return where_ == DeviceCopies::shared; }
+  bool is_mapped() const { return where_ == DeviceCopies::mapped; }
+  bool is_separate() const { return where_ == DeviceCopies::separate; }
+  cl_mem create(std::size_t bytes, void* host);
   cl_mem lend(void* address, std::size_t bytes, bool writes);
   void copy_in(cl_mem memory, std::size_t offset, const void* from, std::size_t bytes);
   void copy_out(cl_mem memory, std::size_t offset, void* to, std::size_t bytes);
   void count_copy(std::size_t bytes);
-  void copy_to_host(void* handle, Allocation& allocation);
+  void map(cl_mem memory, std::size_t bytes);
+  cl_int unmap(cl_mem memory, void* host);
+  void hand_to_device(void* handle, Allocation& own);
+  void take_to_host(void* handle, Allocation& own);
   Allocation* find(const void* handle);
 
   cl::Context context_;
   cl::CommandQueue queue_;
   std::string device_;
-  bool shared_;
+  DeviceCopies where_;
   PinnedCopies pinned_;
   std::unordered_map<const void*, Allocation> allocations_;  // by the host's address
   std::vector<Loan> loans_;

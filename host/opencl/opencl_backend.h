@@ -33,11 +33,10 @@ void refuse_lacking(const cl::Device& device, const WorkShape& shape);
 
 class OpenClBackend final : public Backend {
  public:
-  /// \param shared_memory  what options.copies comes to on the device: its copies of buffers lie in
-  ///        the host's memory.
+  /// \param copies  what options.copies comes to on the device; not by_device.
   /// \param options  of which `device`, `shape`, `work_shape` and `copies` are ignored: the other
   ///        parameters say what they came to.
-  OpenClBackend(cl::Device device, const WorkShape& shape, bool shared_memory,
+  OpenClBackend(cl::Device device, const WorkShape& shape, DeviceCopies copies,
                 const OpenClOptions& options);
   ~OpenClBackend() override;
 

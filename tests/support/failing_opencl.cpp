@@ -8,6 +8,7 @@
 #include <cstring>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <type_traits>
 
 namespace vasamesh::failing_opencl {
@@ -22,6 +23,9 @@ struct State {
   std::string last;  // at which the program ends
   std::map<cl_device_info, cl_ulong> pretended;
   std::string options;
+  std::set<cl_mem> mapped;
+  std::map<cl_kernel, std::map<cl_uint, cl_mem>> arguments;  // those that may be memory
+  std::size_t launches_on_mapped = 0;
 };
 
 State& state() {
@@ -72,10 +76,60 @@ cl_int build_as_pretended(cl_program program, cl_uint count, const cl_device_id*
   return build(program, count, devices, all.c_str(), notify, data);
 }
 
+void* map_and_note(cl_command_queue queue, cl_mem buffer, cl_bool blocking, cl_map_flags flags,
+                   size_t offset, size_t size, cl_uint waits, const cl_event* wait, cl_event* event,
+                   cl_int* status) {
+  static auto* const map = real_function<decltype(clEnqueueMapBuffer)>("clEnqueueMapBuffer");
+  void* const at = map(queue, buffer, blocking, flags, offset, size, waits, wait, event, status);
+  const std::scoped_lock lock(state().mutex);
+  if (at) state().mapped.insert(buffer);
+  return at;
+}
+
+cl_int unmap_and_note(cl_command_queue queue, cl_mem memory, void* pointer, cl_uint waits,
+                      const cl_event* wait, cl_event* event) {
+  static auto* const unmap =
+      real_function<decltype(clEnqueueUnmapMemObject)>("clEnqueueUnmapMemObject");
+  const std::scoped_lock lock(state().mutex);
+  state().mapped.erase(memory);
+  return unmap(queue, memory, pointer, waits, wait, event);
+}
+
+cl_int set_and_note(cl_kernel kernel, cl_uint index, size_t size, const void* value) {
+  static auto* const set = real_function<decltype(clSetKernelArg)>("clSetKernelArg");
+  {
+    const std::scoped_lock lock(state().mutex);
+    cl_mem& memory = state().arguments[kernel][index];
+    memory = nullptr;
+    if (value && size == sizeof(memory)) std::memcpy(&memory, value, size);
+  }
+  return set(kernel, index, size, value);
+}
+
+cl_int launch_and_note(cl_command_queue queue, cl_kernel kernel, cl_uint dimensions,
+                       const size_t* offset, const size_t* global, const size_t* local,
+                       cl_uint waits, const cl_event* wait, cl_event* event) {
+  static auto* const launch =
+      real_function<decltype(clEnqueueNDRangeKernel)>("clEnqueueNDRangeKernel");
+  {
+    State& s = state();
+    const std::scoped_lock lock(s.mutex);
+    const auto& arguments = s.arguments[kernel];
+    s.launches_on_mapped +=
+        std::any_of(arguments.begin(), arguments.end(),
+                    [&](const auto& argument) { return s.mapped.contains(argument.second); });
+  }
+  return launch(queue, kernel, dimensions, offset, global, local, waits, wait, event);
+}
+
 /// What a call is passed on to.
 template <class Function>
 Function* next(const char* name) {
   if constexpr (std::is_same_v<Function, decltype(clBuildProgram)>) return build_as_pretended;
+  if constexpr (std::is_same_v<Function, decltype(clEnqueueMapBuffer)>) return map_and_note;
+  if constexpr (std::is_same_v<Function, decltype(clEnqueueUnmapMemObject)>) return unmap_and_note;
+  if constexpr (std::is_same_v<Function, decltype(clSetKernelArg)>) return set_and_note;
+  if constexpr (std::is_same_v<Function, decltype(clEnqueueNDRangeKernel)>) return launch_and_note;
   return real_function<Function>(name);
 }
 
@@ -87,6 +141,7 @@ void fail(std::size_t first, std::size_t count) {
   s.calls.clear();
   s.pretended.clear();
   s.options.clear();
+  s.launches_on_mapped = 0;
   s.wanted.reset();
   s.last.clear();
   s.first = first;
@@ -117,6 +172,11 @@ void pretend(cl_device_info property, cl_ulong value) {
   State& s = state();
   const std::scoped_lock lock(s.mutex);
   s.pretended[property] = value;
+}
+
+std::size_t launches_on_mapped() {
+  const std::scoped_lock lock(state().mutex);
+  return state().launches_on_mapped;
 }
 
 void pretend_options(const std::string& options) {
