@@ -19,9 +19,11 @@ namespace vasamesh {
 namespace {
 
 constexpr int kSide = 128, kRepeats = 3;
-constexpr double kFaster = 0.9;  // of oneTBB's time: what counts as less
-constexpr double kLargestDistance = 0.25, kMeanDistance = 0.05;  // voxels: what counts as near
-constexpr float kRing = 44, kTube = 7;                           // radii of the torus, voxels
+constexpr double kFaster = 0.9;         // of oneTBB's time: what counts as less
+constexpr float kRing = 44, kTube = 7;  // radii of the torus, voxels
+
+// What counts as near, in voxels.
+constexpr double kLargestDistance = 0.25, kMeanDistance = 0.05;
 
 /// A torus, its axis along z.
 std::vector<std::uint8_t> torus() {
@@ -188,6 +190,7 @@ DeviceWorth tried(const DeviceInfo& device, const std::shared_ptr<Backend>& host
     const TuneTrial trial =
         tuner.attempt(load_shape(index, {}).value_or(usual_opencl_shape(index)), "usual");
     if (!trial.failure.empty()) return {0, device.name + " failed in its trial: " + trial.failure};
+    if (!trial.agrees) return {0, device.name + " gave another surface than the processor"};
     return worth_in(tuner.stages(), device);
   } catch (const Error& error) {
     if (error.code() == ErrorCode::cancelled) throw;

@@ -42,8 +42,8 @@ TuneResult tune_device(const DeviceInfo& device, int threads,
 
 /// What a device is worth to `auto`: found by a trial beside the oneTBB backend `host`, and
 /// remembered also where that failed, until tune_device() finds otherwise. Without a trial where
-/// nothing can be remembered: it would be tried each time. \param cancel  as of Context. \throws
-/// Error cancelled.
+/// nothing can be remembered: it would be tried each time.
+/// \param cancel  as of Context. \throws Error cancelled.
 DeviceWorth worth_of(const DeviceInfo& device, const std::shared_ptr<Backend>& host,
                      const std::atomic<bool>* cancel);
 

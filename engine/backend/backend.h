@@ -6,10 +6,10 @@
 ///
 /// One arithmetic for all backends: float32 and integers; +, -, *, /, square root, and fma only
 /// where it is written; no contraction; sums in an order that depends on sizes alone; ties broken
-/// by index. Two backends give the same bytes (save one that says otherwise by
-/// Backend::other_arithmetic()). A pass gets views alone, keeps nothing, and writes
-/// only the views that are not const. It may return before it is done; passes run in the order of
-/// their calls. Views of another backend's memory are taken too, once that has settled.
+/// by index. Two backends give the same bytes, unless one has another arithmetic and says so. A
+/// pass gets views alone, keeps nothing, and writes only the views that are not const. It may
+/// return before it is done; passes run in the order of their calls. Views of another backend's
+/// memory are taken too, once that has settled.
 
 #include <array>
 #include <cstdint>

@@ -233,9 +233,8 @@ BenchTable bench(const VolumeView& volume, const Parameters& parameters,
     table.points = result.report.points;
     table.triangles = static_cast<std::int64_t>(result.mesh.triangle_count());
     const auto got = digests(result);
-    if (first) {
-      runner.compare(result, *first);
-    } else {
+    runner.compare(result, first ? *first : result);
+    if (!first) {
       first = std::move(result);
       wanted = got;
     }

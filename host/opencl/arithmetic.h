@@ -13,9 +13,7 @@
 namespace vasamesh {
 
 /// Asks the device for products, sums, quotients and roots whose last bits tell.
-/// \return what it does otherwise, as "contracts products, drops sub-normal numbers"; empty where
-/// it
-///         computes as specified.
+/// \return what it does otherwise, as "contracts products, drops sub-normal numbers"; else empty.
 std::string other_arithmetic(const cl::Context& context, const cl::CommandQueue& queue,
                              Programs& programs);
 
