@@ -67,14 +67,8 @@ bool are_near(Backend& backend, const TriangleMesh& a, const TriangleMesh& b) {
 /// A device against oneTBB on one volume.
 class Tuner {
  public:
-  /// \param any_arithmetic  as of OpenClOptions.
-  Tuner(const DeviceInfo& device, std::shared_ptr<Backend> host, bool any_arithmetic,
-        const std::atomic<bool>* cancel)
-      : device_(device.opencl_index),
-        host_(std::move(host)),
-        any_arithmetic_(any_arithmetic),
-        cancel_(cancel),
-        voxels_(torus()) {
+  Tuner(const DeviceInfo& device, std::shared_ptr<Backend> host, const std::atomic<bool>* cancel)
+      : device_(device.opencl_index), host_(std::move(host)), cancel_(cancel), voxels_(torus()) {
     view_.data = voxels_.data();
     view_.geometry.size = {kSide, kSide, kSide};
   }
@@ -84,7 +78,7 @@ class Tuner {
     OpenClOptions options;
     options.device = device_;
     options.work_shape = shape;
-    options.any_arithmetic = any_arithmetic_;
+    options.any_arithmetic = true;
     options.workers = host_;
     options.cancel = cancel_;
     TuneTrial trial;
@@ -94,11 +88,15 @@ class Tuner {
       if (tbb_.stages.empty()) tbb_ = timed({host_});  // not for a device that cannot be opened
       const Timed time = timed({opened, host_});
       trial.seconds = time.seconds;
-      other_arithmetic_ = opened->other_arithmetic();
-      trial.agrees = other_arithmetic_.empty() ? time.mesh.vertices == tbb_.mesh.vertices &&
-                                                     time.mesh.triangles == tbb_.mesh.triangles
-                                               : are_near(*host_, time.mesh, tbb_.mesh);
-      if (trial.agrees && (!is_found() || time.seconds < best_.seconds)) take(trial, time, shape);
+      trial.agrees = opened->other_arithmetic().empty()
+                         ? time.mesh.vertices == tbb_.mesh.vertices &&
+                               time.mesh.triangles == tbb_.mesh.triangles
+                         : are_near(*host_, time.mesh, tbb_.mesh);
+      if (trial.agrees && (!is_found() || time.seconds < best_.seconds)) {
+        best_ = trial;
+        shape_ = shape;
+        take(time, *opened);
+      }
     } catch (const Error& error) {
       if (error.code() == ErrorCode::cancelled) throw;
       trial.failure = error.what();
@@ -132,17 +130,16 @@ class Tuner {
 
   Timed timed(std::vector<std::shared_ptr<Backend>> backends) const;
 
-  void take(const TuneTrial& trial, const Timed& time, const WorkShape& shape) {
-    best_ = trial;
-    shape_ = shape;
+  void take(const Timed& time, const Backend& opened) {
+    other_arithmetic_ = opened.other_arithmetic();
     stages_ = 0;
     for (const auto& [stage, seconds] : time.stages)
-      if (seconds < kFaster * tbb_.stages.at(stage)) stages_ |= bit_of(stage);
+      if (opened.offers(stage) && seconds < kFaster * tbb_.stages.at(stage))
+        stages_ |= bit_of(stage);
   }
 
   int device_;
   std::shared_ptr<Backend> host_;
-  bool any_arithmetic_;
   const std::atomic<bool>* cancel_;
   std::vector<std::uint8_t> voxels_;
   VolumeView view_;
@@ -177,8 +174,13 @@ Tuner::Timed Tuner::timed(std::vector<std::shared_ptr<Backend>> backends) const 
   return best;
 }
 
-DeviceWorth worth_in(std::uint32_t stages, const DeviceInfo& device) {
-  return {stages, stages ? "" : device.name + " was not faster than the processor in any stage"};
+/// \param tuner  which has found the device's best shape.
+DeviceWorth worth_in(const Tuner& tuner, const DeviceInfo& device) {
+  if (!tuner.other_arithmetic().empty())
+    return {0, device.name + " " + tuner.other_arithmetic() +
+                   ", so that its bytes may not be the processor's: name it to use it"};
+  if (!tuner.stages()) return {0, device.name + " was not faster than the processor in any stage"};
+  return {tuner.stages(), ""};
 }
 
 /// What the trial of a device in the shape that it has comes to.
@@ -186,12 +188,12 @@ DeviceWorth tried(const DeviceInfo& device, const std::shared_ptr<Backend>& host
                   const std::atomic<bool>* cancel) {
   const int index = device.opencl_index;
   try {
-    Tuner tuner(device, host, false, cancel);
+    Tuner tuner(device, host, cancel);
     const TuneTrial trial =
         tuner.attempt(load_shape(index, {}).value_or(usual_opencl_shape(index)), "usual");
     if (!trial.failure.empty()) return {0, device.name + " failed in its trial: " + trial.failure};
     if (!trial.agrees) return {0, device.name + " gave another surface than the processor"};
-    return worth_in(tuner.stages(), device);
+    return worth_in(tuner, device);
   } catch (const Error& error) {
     if (error.code() == ErrorCode::cancelled) throw;
     return {0, device.name + " failed in its trial: " + error.what()};
@@ -204,7 +206,7 @@ TuneResult tune_device(const DeviceInfo& device, int threads,
                        const std::function<void(const TuneTrial&)>& tell) {
   const int index = device.opencl_index;
   const std::shared_ptr<Backend> host = make_tbb_backend(threads, nullptr);
-  Tuner tuner(device, host, true, nullptr);
+  Tuner tuner(device, host, nullptr);
   std::string failure = "other surfaces";
   const auto attempt = [&](const WorkShape& shape, const std::string& name) {
     const TuneTrial trial = tuner.attempt(shape, name);
@@ -218,13 +220,10 @@ TuneResult tune_device(const DeviceInfo& device, int threads,
   if (!tuner.is_found())
     throw Error(ErrorCode::no_device, device.name + " gives other surfaces than oneTBB, or none (" +
                                           failure + "): use --backend tbb");
-  const std::string& other = tuner.other_arithmetic();
-  const DeviceWorth worth =
-      other.empty() ? worth_in(tuner.stages(), device)
-                    : DeviceWorth{0, device.name + " " + other + ": its bytes may be others"};
-  const bool is_kept =
-      store_shape(index, {}, tuner.shape()) && store_worth(index, {}, name_of(*host), worth);
-  return {tuner.best(), tuner.tbb_seconds(), tuner.stage_names(), other, is_kept};
+  const bool is_kept = store_shape(index, {}, tuner.shape()) &&
+                       store_worth(index, {}, name_of(*host), worth_in(tuner, device));
+  return {tuner.best(), tuner.tbb_seconds(), tuner.stage_names(), tuner.other_arithmetic(),
+          is_kept};
 }
 
 DeviceWorth worth_of(const DeviceInfo& device, const std::shared_ptr<Backend>& host,

@@ -3,7 +3,8 @@
 /// \file
 /// Trying out a device: which kernel shape is fastest, and in which stages it beats oneTBB. What is
 /// found is remembered (host/opencl/tuning.h) and used from then on: the shape whenever the
-/// device is opened, the stages by `--backend auto`. Results never depend on it.
+/// device is opened, the stages by `--backend auto`. Results never depend on it, but for the last
+/// bits of a device of other arithmetic.
 
 #include <atomic>
 #include <cstdint>

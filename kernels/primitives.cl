@@ -2,7 +2,8 @@
 /// Sums and scans over flat arrays (fills are the runtime's own). Contracts and order of
 /// arithmetic: engine/backend/backend.h.
 
-/// values[i] = a * b + c of the i-th three factors, for host/opencl/arithmetic.cpp.
+/// values[3 i] = a * b + c of the i-th three factors, then a / b and the square root of a, for
+/// host/opencl/arithmetic.cpp.
 kernel void primitives_probe(global const float *factors, global float *values) {
   const size_t i = get_global_id(0);
   const float a = factors[3 * i], b = factors[3 * i + 1], c = factors[3 * i + 2];

@@ -94,6 +94,15 @@ TEST_F(OtherArithmetic, TunedForThoseWhoNameIt) {
   EXPECT_NE(worth.reason.find(kSaid), std::string::npos) << worth.reason;
 }
 
+TEST_F(OtherArithmetic, LeftAloneInATrial) {
+  const Scratch folder;
+  const Variable cache("XDG_CACHE_HOME", folder / "cache");
+  const std::shared_ptr<Backend> host = make_tbb_backend(2, nullptr);
+  const DeviceWorth worth = worth_of(list_devices()[1], host, nullptr);
+  EXPECT_EQ(worth.stages, 0u);
+  EXPECT_NE(worth.reason.find(kSaid), std::string::npos) << worth.reason;
+}
+
 TEST_F(OtherArithmetic, BenchTellsHowFarTheSurfaceIs) {
   const Phantom phantom = make_phantom("torus");
   const BenchTable table = bench(phantom.view(), {}, bench_ways({}, "", {2}), 1);

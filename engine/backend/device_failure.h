@@ -8,7 +8,7 @@
 namespace vasamesh {
 
 /// A device, its driver, its compiler or its memory failed, and what it was computing is lost. All
-/// backends give the same bytes, so that the work may be done again on another
+/// backends give a right surface, so that the work may be done again on another
 /// (Scheduler::fall_back). The oneTBB backend never throws it.
 class DeviceFailure : public Error {
  public:

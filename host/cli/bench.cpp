@@ -67,10 +67,10 @@ void print_run(const std::vector<BenchWay>& ways, const BenchTable& table, std::
       "  {:<18}{:>9.1f}  {} times tbb 1; buffers {:.0f} MB at most; cancelled within {:.0f} ms\n",
       "all", 1e3 * run.seconds, or_dash(one / run.seconds, "{:.2f}"),
       static_cast<double>(run.bytes_peak) * 1e-6, 1e3 * run.longest_silence);
-  if (!run.other_arithmetic.empty())
-    fmt::print(
-        "  the device {}: its surface is {:.3f} voxel from the first at most, {:.4f} on average\n",
-        run.other_arithmetic, run.largest_distance, run.mean_distance);
+  if (!run.other_arithmetic.empty()) fmt::print("  the device {}\n", run.other_arithmetic);
+  if (run.largest_distance > 0)
+    fmt::print("  the surface is {:.3f} voxel from that of {} at most, {:.4f} on average\n",
+               run.largest_distance, ways.front().name, run.mean_distance);
   if (!run.failure.empty()) fmt::print("  the device failed: {}\n", run.failure);
 }
 

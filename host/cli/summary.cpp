@@ -105,11 +105,14 @@ void print_far_points(const Report& report) {
 /// The devices that stages ran on, and those that failed, so that the CPU finished.
 void print_devices(const std::vector<StageReport>& stages) {
   std::map<std::string, std::pair<int, std::string>> used;  // stages, other arithmetic
+  const bool has_failed = std::any_of(stages.begin(), stages.end(), [](const StageReport& stage) {
+    return !stage.failure.empty();
+  });
   for (const StageReport& stage : stages) {
     if (stage.launches == 0 || !stage.failure.empty()) continue;
     auto& [count, arithmetic] = used[stage.device];
     ++count;
-    arithmetic = stage.other_arithmetic;
+    if (!has_failed) arithmetic = stage.other_arithmetic;
   }
   for (const auto& [device, use] : used) {
     const auto& [count, arithmetic] = use;
@@ -118,8 +121,8 @@ void print_devices(const std::vector<StageReport>& stages) {
   }
   for (const StageReport& stage : stages)
     if (!stage.failure.empty())
-      fmt::print("{:<10}{} failed in {}: {}; done again on the CPU, with the same result\n",
-                 "Device", stage.device, stage.name, stage.failure);
+      fmt::print("{:<10}{} failed in {}: {}; done again on the CPU\n", "Device", stage.device,
+                 stage.name, stage.failure);
 }
 
 void print_times(const std::vector<StageReport>& stages) {

@@ -132,16 +132,17 @@ class Runner {
       repeats.push_back(result.report.stages);
     }
     gather(repeats, result.report);
+    run_.other_arithmetic = context_.backends.front()->other_arithmetic();
     for (const auto& backend : context_.backends)
       run_.bytes_peak += static_cast<std::int64_t>(backend->bytes_peak());
     return result;
   }
   const BenchRun& run() const { return run_; }
 
-  /// Where the bytes may be others than the first way's.
   void compare(const Result& result, const Result& first) {
-    run_.other_arithmetic = context_.backends.front()->other_arithmetic();
-    if (run_.other_arithmetic.empty()) return;
+    if (result.mesh.vertices == first.mesh.vertices &&
+        result.mesh.triangles == first.mesh.triangles)
+      return;
     const auto& spacing = volume_.geometry.spacing;
     const double voxel = std::cbrt(spacing[0] * spacing[1] * spacing[2]);
     const DistanceReport distance =
@@ -233,8 +234,9 @@ BenchTable bench(const VolumeView& volume, const Parameters& parameters,
     table.points = result.report.points;
     table.triangles = static_cast<std::int64_t>(result.mesh.triangle_count());
     const auto got = digests(result);
-    runner.compare(result, first ? *first : result);
-    if (!first) {
+    if (first) {
+      runner.compare(result, *first);
+    } else {
       first = std::move(result);
       wanted = got;
     }

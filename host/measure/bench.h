@@ -51,8 +51,7 @@ struct BenchRun {
   std::int64_t bytes_peak = 0;   ///< held by the backends' buffers
   std::string failure;           ///< of the device; empty when it did not fail
   std::string other_arithmetic;  ///< of the device, as of Backend
-  /// Largest and mean distance from the first way's surface, voxels; measured of a device of other
-  /// arithmetic.
+  /// Largest and mean distance from the first way's surface, voxels, where that has other bytes.
   double largest_distance = 0, mean_distance = 0;
 };
 

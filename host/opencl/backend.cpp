@@ -36,7 +36,10 @@ WorkShape shape_for(const cl::Device& device, const OpenClOptions& options) {
 DeviceCopies copies_on(const cl::Device& device, DeviceCopies wanted) {
   if (wanted != DeviceCopies::by_device) return wanted;
   if (is_cpu(device)) return DeviceCopies::shared;
-  return ask<CL_DEVICE_HOST_UNIFIED_MEMORY>(device) ? DeviceCopies::mapped : DeviceCopies::separate;
+  cl_bool unified = CL_FALSE;  // a question that later versions may not answer
+  if (device.getInfo(CL_DEVICE_HOST_UNIFIED_MEMORY, &unified) != CL_SUCCESS || !unified)
+    return DeviceCopies::separate;
+  return DeviceCopies::mapped;
 }
 
 std::function<void()> opening_checkpoint(const std::atomic<bool>* cancel) {

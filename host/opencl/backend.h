@@ -31,7 +31,7 @@ enum class KernelShape {
 enum class DeviceCopies {
   by_device,  ///< shared on a CPU, mapped on others that have the host's memory, else separate
   shared,     ///< in the host's memory, which both see at any time
-  mapped,     ///< in the host's memory, which they have in turn
+  mapped,     ///< in the host's memory, which they have in turn, or both for reading
   separate,   ///< in memory of its own
 };
 

@@ -1,5 +1,6 @@
 #include "opencl/device_memory.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cstring>
 #include <new>
@@ -58,7 +59,7 @@ void DeviceMemory::release(void* handle) noexcept {
   const auto found = allocations_.find(handle);
   const Allocation allocation = found->second;
   allocations_.erase(found);
-  if (is_mapped() && allocation.device_stale) unmap(allocation.memory, handle);
+  if (is_mapped() && allowed(allocation) != HostMay::nothing) unmap(allocation.memory, handle);
   if (!is_separate() && !idle_)
     left_.emplace_back(handle, allocation);
   else
@@ -80,8 +81,13 @@ cl_mem DeviceMemory::on_device(void* handle, std::size_t bytes, bool writes) {
   Allocation* own = find(handle);
   if (!own) return lend(handle, bytes, writes);
   if (is_shared()) return own->memory;
-  hand_to_device(handle, *own);
-  own->host_stale |= writes || is_mapped();
+  if (is_mapped()) {
+    let_host(std::min(allowed(*own), writes ? HostMay::nothing : HostMay::read), handle, *own);
+    return own->memory;
+  }
+  if (own->device_stale) copy_in(own->memory, 0, handle, own->bytes);
+  own->device_stale = false;
+  own->host_stale |= writes;
   return own->memory;
 }
 
@@ -96,23 +102,26 @@ void DeviceMemory::finish_loans() {
     queue_.finish();
     throw;
   }
-  for (const Loan& loan : loans)
-    if (loan.writes) take_back(loan);
-}
-
-void DeviceMemory::take_back(const Loan& loan) {
-  if (is_separate()) copy_out(loan.memory(), 0, loan.address, loan.bytes);
-  if (!is_mapped()) return;
-  map(loan.memory(), loan.bytes);
-  check(unmap(loan.memory(), loan.address), "taking memory back from " + device_);
+  for (const Loan& loan : loans) {
+    if (!loan.writes) continue;
+    if (is_separate()) copy_out(loan.memory(), 0, loan.address, loan.bytes);
+    if (!is_mapped()) continue;
+    map(loan.memory(), loan.bytes, HostMay::read);
+    check(unmap(loan.memory(), loan.address), "taking memory back from " + device_);
+  }
+  if (idle_) return;
   check(queue_.finish(), "taking memory back from " + device_);
+  idle_ = true;
+  give_back_left();
 }
 
 void DeviceMemory::bring_to_host(void* handle, bool writes) {
   wait();
   Allocation* own = is_shared() ? nullptr : find(handle);
   if (!own) return;
-  take_to_host(handle, *own);
+  if (is_mapped())
+    return let_host(std::max(allowed(*own), writes ? HostMay::write : HostMay::read), handle, *own);
+  copy_to_host(handle, *own);
   own->device_stale |= writes;
 }
 
@@ -120,7 +129,12 @@ void DeviceMemory::settle() {
   wait();
   if (is_shared()) return;
   for (auto& [handle, own] : allocations_) {
-    take_to_host(const_cast<void*>(handle), own);
+    void* const host = const_cast<void*>(handle);
+    if (is_mapped()) {
+      let_host(HostMay::write, host, own);
+      continue;
+    }
+    copy_to_host(host, own);
     own.device_stale = true;
   }
 }
@@ -173,38 +187,44 @@ cl_mem DeviceMemory::lend(void* address, std::size_t bytes, bool writes) {
   return memory;
 }
 
-/// The host gets the memory, once the commands before have ended.
-void DeviceMemory::map(cl_mem memory, std::size_t bytes) {
-  cl_int status = CL_SUCCESS;
-  clEnqueueMapBuffer(queue_(), memory, CL_TRUE, CL_MAP_READ | CL_MAP_WRITE, 0, bytes, 0, nullptr,
-                     nullptr, &status);
-  check(status, "mapping memory of " + device_);
+DeviceMemory::HostMay DeviceMemory::allowed(const Allocation& own) {
+  if (own.host_stale) return HostMay::nothing;
+  return own.device_stale ? HostMay::write : HostMay::read;
 }
 
-/// The device gets it, before the commands that follow.
+/// Returns when the commands before have ended.
+void DeviceMemory::map(cl_mem memory, std::size_t bytes, HostMay what) {
+  cl_int status = CL_SUCCESS;
+  clEnqueueMapBuffer(queue_(), memory, CL_TRUE,
+                     what == HostMay::write ? CL_MAP_READ | CL_MAP_WRITE : CL_MAP_READ, 0, bytes, 0,
+                     nullptr, nullptr, &status);
+  check(status, "mapping memory of " + device_);
+  idle_ = true;
+  give_back_left();
+}
+
 cl_int DeviceMemory::unmap(cl_mem memory, void* host) {
   idle_ = false;
   return clEnqueueUnmapMemObject(queue_(), memory, host, 0, nullptr, nullptr);
 }
 
-void DeviceMemory::hand_to_device(void* handle, Allocation& own) {
-  if (!own.device_stale) return;
-  if (is_mapped())
-    check(unmap(own.memory, handle), "giving memory to " + device_);
-  else
-    copy_in(own.memory, 0, handle, own.bytes);
+void DeviceMemory::let_host(HostMay what, void* handle, Allocation& own) {
+  const HostMay before = allowed(own);
+  if (what == before) return;
+  if (what != HostMay::nothing) wait();
+  if (before != HostMay::nothing) check(unmap(own.memory, handle), "giving memory to " + device_);
+  own.host_stale = true;
   own.device_stale = false;
+  if (what == HostMay::nothing) return;
+  map(own.memory, own.bytes, what);
+  own.host_stale = false;
+  own.device_stale = what == HostMay::write;
 }
 
-/// \pre nothing is queued.
-void DeviceMemory::take_to_host(void* handle, Allocation& own) {
+void DeviceMemory::copy_to_host(void* handle, Allocation& own) {
   if (!own.host_stale) return;
-  if (is_mapped())
-    map(own.memory, own.bytes);
-  else
-    copy_out(own.memory, 0, handle, own.bytes);
+  copy_out(own.memory, 0, handle, own.bytes);
   own.host_stale = false;
-  own.device_stale |= is_mapped();
 }
 
 /// Null for another backend's memory.

@@ -2,9 +2,9 @@
 
 /// \file
 /// Memory that the host and an OpenCL device share. On a device that works in the host's own memory
-/// the host's allocation is the device's, and nothing is copied: a CPU sees it at any time, others
-/// have it in turn with the host, which maps it when it looks at it. Elsewhere each has its own,
-/// and the stale one is brought up to date when it is next looked at.
+/// the host's allocation is the device's, and nothing is copied: a CPU sees it at any time; others
+/// have it in turn with the host, which maps it, while both may read what neither writes. Elsewhere
+/// each has its own, and the stale one is brought up to date when it is next looked at.
 
 #include <cstddef>
 #include <cstdint>
@@ -78,7 +78,7 @@ class DeviceMemory {
   struct Allocation {
     cl_mem memory = nullptr;
     std::size_t bytes = 0;
-    /// Neither when shared. When mapped, one of them: the other side has the memory.
+    /// Neither when shared. When mapped: it is not mapped, or for writing; neither: for reading.
     bool host_stale = false, device_stale = false;
   };
   struct Loan {
@@ -88,8 +88,10 @@ class DeviceMemory {
     bool writes;
   };
 
+  /// What the host may do with memory that is mapped.
+  enum class HostMay { nothing, read, write };
+
   void finish_loans();
-  void take_back(const Loan& loan);
   void give_back(void* handle, const Allocation& allocation);
   void give_back_left();
   bool is_shared() const { return where_ == DeviceCopies::shared; }
@@ -100,10 +102,11 @@ class DeviceMemory {
   void copy_in(cl_mem memory, std::size_t offset, const void* from, std::size_t bytes);
   void copy_out(cl_mem memory, std::size_t offset, void* to, std::size_t bytes);
   void count_copy(std::size_t bytes);
-  void map(cl_mem memory, std::size_t bytes);
+  static HostMay allowed(const Allocation& own);
+  void map(cl_mem memory, std::size_t bytes, HostMay what);
   cl_int unmap(cl_mem memory, void* host);
-  void hand_to_device(void* handle, Allocation& own);
-  void take_to_host(void* handle, Allocation& own);
+  void let_host(HostMay what, void* handle, Allocation& own);
+  void copy_to_host(void* handle, Allocation& own);
   Allocation* find(const void* handle);
 
   cl::Context context_;

@@ -8,7 +8,7 @@
 #include <cstring>
 #include <mutex>
 #include <optional>
-#include <set>
+#include <string_view>
 #include <type_traits>
 
 namespace vasamesh::failing_opencl {
@@ -23,9 +23,9 @@ struct State {
   std::string last;  // at which the program ends
   std::map<cl_device_info, cl_ulong> pretended;
   std::string options;
-  std::set<cl_mem> mapped;
+  std::map<cl_mem, cl_map_flags> mapped;
   std::map<cl_kernel, std::map<cl_uint, cl_mem>> arguments;  // those that may be memory
-  std::size_t launches_on_mapped = 0;
+  std::vector<std::string> mapping_faults;
 };
 
 State& state() {
@@ -81,8 +81,9 @@ void* map_and_note(cl_command_queue queue, cl_mem buffer, cl_bool blocking, cl_m
                    cl_int* status) {
   static auto* const map = real_function<decltype(clEnqueueMapBuffer)>("clEnqueueMapBuffer");
   void* const at = map(queue, buffer, blocking, flags, offset, size, waits, wait, event, status);
-  const std::scoped_lock lock(state().mutex);
-  if (at) state().mapped.insert(buffer);
+  State& s = state();
+  const std::scoped_lock lock(s.mutex);
+  if (at && !s.mapped.try_emplace(buffer, flags).second) s.mapping_faults.push_back("mapped twice");
   return at;
 }
 
@@ -90,9 +91,36 @@ cl_int unmap_and_note(cl_command_queue queue, cl_mem memory, void* pointer, cl_u
                       const cl_event* wait, cl_event* event) {
   static auto* const unmap =
       real_function<decltype(clEnqueueUnmapMemObject)>("clEnqueueUnmapMemObject");
+  const cl_int status = unmap(queue, memory, pointer, waits, wait, event);
   const std::scoped_lock lock(state().mutex);
-  state().mapped.erase(memory);
-  return unmap(queue, memory, pointer, waits, wait, event);
+  if (status == CL_SUCCESS) state().mapped.erase(memory);
+  return status;
+}
+
+cl_int release_and_note(cl_mem memory) {
+  static auto* const release = real_function<decltype(clReleaseMemObject)>("clReleaseMemObject");
+  {
+    State& s = state();
+    const std::scoped_lock lock(s.mutex);
+    if (s.mapped.erase(memory)) s.mapping_faults.push_back("released mapped");
+  }
+  return release(memory);
+}
+
+void note_command_on(cl_mem memory) {
+  State& s = state();
+  const std::scoped_lock lock(s.mutex);
+  const auto found = s.mapped.find(memory);
+  if (found != s.mapped.end() && found->second & CL_MAP_WRITE)
+    s.mapping_faults.push_back("a command on what is mapped for writing");
+}
+
+cl_int fill_and_note(cl_command_queue queue, cl_mem buffer, const void* pattern,
+                     size_t pattern_size, size_t offset, size_t size, cl_uint waits,
+                     const cl_event* wait, cl_event* event) {
+  static auto* const fill = real_function<decltype(clEnqueueFillBuffer)>("clEnqueueFillBuffer");
+  note_command_on(buffer);
+  return fill(queue, buffer, pattern, pattern_size, offset, size, waits, wait, event);
 }
 
 cl_int set_and_note(cl_kernel kernel, cl_uint index, size_t size, const void* value) {
@@ -111,14 +139,12 @@ cl_int launch_and_note(cl_command_queue queue, cl_kernel kernel, cl_uint dimensi
                        cl_uint waits, const cl_event* wait, cl_event* event) {
   static auto* const launch =
       real_function<decltype(clEnqueueNDRangeKernel)>("clEnqueueNDRangeKernel");
+  std::map<cl_uint, cl_mem> arguments;
   {
-    State& s = state();
-    const std::scoped_lock lock(s.mutex);
-    const auto& arguments = s.arguments[kernel];
-    s.launches_on_mapped +=
-        std::any_of(arguments.begin(), arguments.end(),
-                    [&](const auto& argument) { return s.mapped.contains(argument.second); });
+    const std::scoped_lock lock(state().mutex);
+    arguments = state().arguments[kernel];
   }
+  for (const auto& [index, memory] : arguments) note_command_on(memory);
   return launch(queue, kernel, dimensions, offset, global, local, waits, wait, event);
 }
 
@@ -130,6 +156,9 @@ Function* next(const char* name) {
   if constexpr (std::is_same_v<Function, decltype(clEnqueueUnmapMemObject)>) return unmap_and_note;
   if constexpr (std::is_same_v<Function, decltype(clSetKernelArg)>) return set_and_note;
   if constexpr (std::is_same_v<Function, decltype(clEnqueueNDRangeKernel)>) return launch_and_note;
+  if constexpr (std::is_same_v<Function, decltype(clEnqueueFillBuffer)>) return fill_and_note;
+  if constexpr (std::is_same_v<Function, decltype(clReleaseMemObject)>)
+    if (std::string_view(name) == "clReleaseMemObject") return release_and_note;
   return real_function<Function>(name);
 }
 
@@ -141,7 +170,7 @@ void fail(std::size_t first, std::size_t count) {
   s.calls.clear();
   s.pretended.clear();
   s.options.clear();
-  s.launches_on_mapped = 0;
+  s.mapping_faults.clear();
   s.wanted.reset();
   s.last.clear();
   s.first = first;
@@ -174,9 +203,9 @@ void pretend(cl_device_info property, cl_ulong value) {
   s.pretended[property] = value;
 }
 
-std::size_t launches_on_mapped() {
+std::vector<std::string> mapping_faults() {
   const std::scoped_lock lock(state().mutex);
-  return state().launches_on_mapped;
+  return state().mapping_faults;
 }
 
 void pretend_options(const std::string& options) {

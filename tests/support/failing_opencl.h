@@ -45,9 +45,9 @@ std::vector<Call> calls();
 /// Devices answer `value` when they are asked for a property of 32 or 64 bits, until reset().
 void pretend(cl_device_info property, cl_ulong value);
 
-/// Kernels launched, until now since the last reset() or fail(), on memory that the host had
-/// mapped.
-std::size_t launches_on_mapped();
+/// What was done, since the last reset() or fail(), that mapped memory does not allow: it was
+/// mapped twice, released, or used by a command while the host might write it.
+std::vector<std::string> mapping_faults();
 
 /// Programs are built with these options, too, until reset(): as by a driver that takes liberties.
 void pretend_options(const std::string& options);
