@@ -10,6 +10,12 @@ namespace {
 
 constexpr std::chrono::milliseconds kRest{10};  // between two words to the caller
 
+void tell_backend(const Backend& backend, StageReport& report) {
+  report.backend = backend.name();
+  report.device = backend.device();
+  report.other_arithmetic = backend.other_arithmetic();
+}
+
 }  // namespace
 
 Scheduler::Scheduler(Context& context, std::size_t max_memory)
@@ -96,9 +102,7 @@ void Scheduler::begin(const char* name, Stage stage, const char* on_host) {
   running_ = &backend;
   StageReport& report = reports_.emplace_back();
   report.name = name;
-  report.backend = backend.name();
-  report.device = backend.device();
-  report.other_arithmetic = backend.other_arithmetic();
+  tell_backend(backend, report);
   report.host_reason = host_reason(stage, on_host);
   if (&backend != &host()) report.host_part = on_host;
   traffic_ = backend.traffic();
@@ -123,9 +127,7 @@ void Scheduler::close() {
   report.bytes_copied = traffic.bytes - traffic_.bytes;
   report.device_seconds = traffic.waited - traffic_.waited;
   if (running_ != &host() && !host_alone_ && report.launches == 0) {
-    report.backend = host().name();
-    report.device = host().device();
-    report.other_arithmetic.clear();
+    tell_backend(host(), report);
     report.host_reason = "nothing in it was for the device";
     report.host_part.clear();
   }

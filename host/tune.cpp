@@ -88,15 +88,10 @@ class Tuner {
       if (tbb_.stages.empty()) tbb_ = timed({host_});  // not for a device that cannot be opened
       const Timed time = timed({opened, host_});
       trial.seconds = time.seconds;
-      trial.agrees = opened->other_arithmetic().empty()
-                         ? time.mesh.vertices == tbb_.mesh.vertices &&
-                               time.mesh.triangles == tbb_.mesh.triangles
-                         : are_near(*host_, time.mesh, tbb_.mesh);
-      if (trial.agrees && (!is_found() || time.seconds < best_.seconds)) {
-        best_ = trial;
-        shape_ = shape;
-        take(time, *opened);
-      }
+      trial.agrees = opened->other_arithmetic().empty() ? time.mesh == tbb_.mesh
+                                                        : are_near(*host_, time.mesh, tbb_.mesh);
+      if (trial.agrees && (!is_found() || time.seconds < best_.seconds))
+        take(trial, time, shape, *opened);
     } catch (const Error& error) {
       if (error.code() == ErrorCode::cancelled) throw;
       trial.failure = error.what();
@@ -130,7 +125,10 @@ class Tuner {
 
   Timed timed(std::vector<std::shared_ptr<Backend>> backends) const;
 
-  void take(const Timed& time, const Backend& opened) {
+  void take(const TuneTrial& trial, const Timed& time, const WorkShape& shape,
+            const Backend& opened) {
+    best_ = trial;
+    shape_ = shape;
     other_arithmetic_ = opened.other_arithmetic();
     stages_ = 0;
     for (const auto& [stage, seconds] : time.stages)

@@ -67,9 +67,13 @@ double cube_root(double x) {
 
 }  // namespace
 
+double voxel_length(const Geometry& geometry) {
+  return cube_root(geometry.spacing[0] * geometry.spacing[1] * geometry.spacing[2]);
+}
+
 Scale make_scale(const Geometry& geometry) {
   const auto& s = geometry.spacing;
-  const double voxel = cube_root(s[0] * s[1] * s[2]);
+  const double voxel = voxel_length(geometry);
   return {static_cast<float>(s[0] / voxel), static_cast<float>(s[1] / voxel),
           static_cast<float>(s[2] / voxel)};
 }

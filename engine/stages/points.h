@@ -63,7 +63,10 @@ constexpr PointCounts make_point_counts() {
 }
 inline constexpr PointCounts kPointCounts = make_point_counts();
 
-/// spacing / geometric mean of the three spacings.
+/// mm: the geometric mean of the three spacings.
+double voxel_length(const Geometry& geometry);
+
+/// spacing / voxel_length().
 Scale make_scale(const Geometry& geometry);
 
 /// The volume bit-packed, with kPad background voxels before it, at least as many after, and each

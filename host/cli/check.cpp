@@ -58,10 +58,6 @@ void move_to_lps(TriangleMesh& mesh, Space space, const Geometry& geometry) {
   }
 }
 
-double voxel_length(const Geometry& geometry) {
-  return std::cbrt(geometry.spacing[0] * geometry.spacing[1] * geometry.spacing[2]);
-}
-
 /// Where no volume tells the voxel: the side of the reference's mean triangle as a square.
 double sampling_length(const QualityReport& quality, std::size_t triangles) {
   return std::sqrt(quality.area / static_cast<double>(triangles));

@@ -4,10 +4,8 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <iterator>
 #include <map>
-#include <optional>
 #include <string_view>
 #include <utility>
 
@@ -17,6 +15,7 @@
 #include "median.h"
 #include "opencl/speed.h"
 #include "stages/distance.h"
+#include "stages/points.h"
 #include "tbb/backend.h"
 #include "vasamesh/errors.h"
 #include "vasamesh/pipeline.h"
@@ -139,14 +138,10 @@ class Runner {
   }
   const BenchRun& run() const { return run_; }
 
-  void compare(const Result& result, const Result& first) {
-    if (result.mesh.vertices == first.mesh.vertices &&
-        result.mesh.triangles == first.mesh.triangles)
-      return;
-    const auto& spacing = volume_.geometry.spacing;
-    const double voxel = std::cbrt(spacing[0] * spacing[1] * spacing[2]);
-    const DistanceReport distance =
-        measure_distance(*context_.backends.back(), result.mesh, first.mesh, voxel);
+  void compare(const TriangleMesh& mesh, const TriangleMesh& first) {
+    if (mesh == first) return;
+    const double voxel = voxel_length(volume_.geometry);
+    const DistanceReport distance = measure_distance(*context_.backends.back(), mesh, first, voxel);
     run_.largest_distance = std::max(distance.to.maximum, distance.back.maximum) / voxel;
     run_.mean_distance = std::max(distance.to.mean, distance.back.mean) / voxel;
   }
@@ -224,7 +219,7 @@ BenchTable bench(const VolumeView& volume, const Parameters& parameters,
   const tbb::global_control as_many(tbb::global_control::max_allowed_parallelism,
                                     static_cast<std::size_t>(most));
   BenchTable table;
-  std::optional<Result> first;
+  TriangleMesh first;
   std::map<std::string, std::uint64_t> wanted;
   for (const BenchWay& way : ways) {
     Runner runner(volume, parameters, way);
@@ -234,11 +229,11 @@ BenchTable bench(const VolumeView& volume, const Parameters& parameters,
     table.points = result.report.points;
     table.triangles = static_cast<std::int64_t>(result.mesh.triangle_count());
     const auto got = digests(result);
-    if (first) {
-      runner.compare(result, *first);
-    } else {
-      first = std::move(result);
+    if (wanted.empty()) {
       wanted = got;
+      first = std::move(result.mesh);
+    } else {
+      runner.compare(result.mesh, first);
     }
     BenchRun& run = table.runs.emplace_back(runner.run());
     for (BenchStage& stage : run.stages) {

@@ -46,7 +46,8 @@ void* DeviceMemory::allocate(std::size_t bytes) {
     throw Error(ErrorCode::refused,
                 "out of memory: " + std::to_string(bytes) + " bytes could not be had");
   try {
-    allocations_[host] = {create(bytes, host), bytes, is_mapped()};
+    allocations_[host] = {create(bytes, host), bytes,
+                          is_mapped() ? HostMay::nothing : HostMay::read};
   } catch (...) {
     ::operator delete(host, kPage);
     throw;
@@ -59,7 +60,7 @@ void DeviceMemory::release(void* handle) noexcept {
   const auto found = allocations_.find(handle);
   const Allocation allocation = found->second;
   allocations_.erase(found);
-  if (is_mapped() && allowed(allocation) != HostMay::nothing) unmap(allocation.memory, handle);
+  if (is_mapped() && allocation.host != HostMay::nothing) unmap(allocation.memory, handle);
   if (!is_separate() && !idle_)
     left_.emplace_back(handle, allocation);
   else
@@ -80,14 +81,8 @@ cl_mem DeviceMemory::on_device(void* handle, std::size_t bytes, bool writes) {
   if (!handle) return nullptr;
   Allocation* own = find(handle);
   if (!own) return lend(handle, bytes, writes);
-  if (is_shared()) return own->memory;
-  if (is_mapped()) {
-    let_host(std::min(allowed(*own), writes ? HostMay::nothing : HostMay::read), handle, *own);
-    return own->memory;
-  }
-  if (own->device_stale) copy_in(own->memory, 0, handle, own->bytes);
-  own->device_stale = false;
-  own->host_stale |= writes;
+  if (!is_shared())
+    let_host(std::min(own->host, writes ? HostMay::nothing : HostMay::read), handle, *own);
   return own->memory;
 }
 
@@ -118,37 +113,28 @@ void DeviceMemory::finish_loans() {
 void DeviceMemory::bring_to_host(void* handle, bool writes) {
   wait();
   Allocation* own = is_shared() ? nullptr : find(handle);
-  if (!own) return;
-  if (is_mapped())
-    return let_host(std::max(allowed(*own), writes ? HostMay::write : HostMay::read), handle, *own);
-  copy_to_host(handle, *own);
-  own->device_stale |= writes;
+  if (own) let_host(std::max(own->host, writes ? HostMay::write : HostMay::read), handle, *own);
 }
 
 void DeviceMemory::settle() {
   wait();
   if (is_shared()) return;
-  for (auto& [handle, own] : allocations_) {
-    void* const host = const_cast<void*>(handle);
-    if (is_mapped()) {
-      let_host(HostMay::write, host, own);
-      continue;
-    }
-    copy_to_host(host, own);
-    own.device_stale = true;
-  }
+  for (auto& [handle, own] : allocations_) let_host(HostMay::write, const_cast<void*>(handle), own);
 }
 
 void DeviceMemory::write(void* handle, std::size_t offset, const void* from, std::size_t bytes) {
   const Allocation* own = find(handle);
   if (own && !is_separate()) bring_to_host(handle, true);
-  if (!own || !own->host_stale) std::memcpy(static_cast<std::byte*>(handle) + offset, from, bytes);
-  if (own && is_separate() && !own->device_stale) copy_in(own->memory, offset, from, bytes);
+  if (!own || own->host != HostMay::nothing)
+    std::memcpy(static_cast<std::byte*>(handle) + offset, from, bytes);
+  if (own && is_separate() && own->host != HostMay::write)
+    copy_in(own->memory, offset, from, bytes);
 }
 
 void DeviceMemory::read(const void* handle, std::size_t offset, void* to, std::size_t bytes) {
   const Allocation* own = find(handle);
-  if (own && is_separate() && !own->device_stale) return copy_out(own->memory, offset, to, bytes);
+  if (own && is_separate() && own->host != HostMay::write)
+    return copy_out(own->memory, offset, to, bytes);
   if (own && !is_separate()) bring_to_host(const_cast<void*>(handle), false);
   std::memcpy(to, static_cast<const std::byte*>(handle) + offset, bytes);
 }
@@ -187,11 +173,6 @@ cl_mem DeviceMemory::lend(void* address, std::size_t bytes, bool writes) {
   return memory;
 }
 
-DeviceMemory::HostMay DeviceMemory::allowed(const Allocation& own) {
-  if (own.host_stale) return HostMay::nothing;
-  return own.device_stale ? HostMay::write : HostMay::read;
-}
-
 /// Returns when the commands before have ended.
 void DeviceMemory::map(cl_mem memory, std::size_t bytes, HostMay what) {
   cl_int status = CL_SUCCESS;
@@ -208,23 +189,21 @@ cl_int DeviceMemory::unmap(cl_mem memory, void* host) {
   return clEnqueueUnmapMemObject(queue_(), memory, host, 0, nullptr, nullptr);
 }
 
-void DeviceMemory::let_host(HostMay what, void* handle, Allocation& own) {
-  const HostMay before = allowed(own);
-  if (what == before) return;
+/// The device gets mapped memory, and the host at once what it may have of it.
+void DeviceMemory::remap(HostMay what, void* handle, Allocation& own) {
   if (what != HostMay::nothing) wait();
-  if (before != HostMay::nothing) check(unmap(own.memory, handle), "giving memory to " + device_);
-  own.host_stale = true;
-  own.device_stale = false;
-  if (what == HostMay::nothing) return;
-  map(own.memory, own.bytes, what);
-  own.host_stale = false;
-  own.device_stale = what == HostMay::write;
+  if (own.host != HostMay::nothing) check(unmap(own.memory, handle), "giving memory to " + device_);
+  own.host = HostMay::nothing;
+  if (what != HostMay::nothing) map(own.memory, own.bytes, what);
+  own.host = what;
 }
 
-void DeviceMemory::copy_to_host(void* handle, Allocation& own) {
-  if (!own.host_stale) return;
-  copy_out(own.memory, 0, handle, own.bytes);
-  own.host_stale = false;
+void DeviceMemory::let_host(HostMay what, void* handle, Allocation& own) {
+  if (what == own.host) return;
+  if (is_mapped()) return remap(what, handle, own);
+  if (own.host == HostMay::write) copy_in(own.memory, 0, handle, own.bytes);
+  if (own.host == HostMay::nothing) copy_out(own.memory, 0, handle, own.bytes);
+  own.host = what;
 }
 
 /// Null for another backend's memory.

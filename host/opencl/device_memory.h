@@ -75,11 +75,13 @@ class DeviceMemory {
   double waited() const { return waited_; }
 
  private:
+  /// What the host may do with an allocation; where it may read alone, so may the device, which
+  /// otherwise waits for its turn.
+  enum class HostMay { nothing, read, write };
   struct Allocation {
     cl_mem memory = nullptr;
     std::size_t bytes = 0;
-    /// Neither when shared. When mapped: it is not mapped, or for writing; neither: for reading.
-    bool host_stale = false, device_stale = false;
+    HostMay host = HostMay::read;  ///< of no meaning when shared
   };
   struct Loan {
     cl::Buffer memory;
@@ -87,9 +89,6 @@ class DeviceMemory {
     std::size_t bytes;
     bool writes;
   };
-
-  /// What the host may do with memory that is mapped.
-  enum class HostMay { nothing, read, write };
 
   void finish_loans();
   void give_back(void* handle, const Allocation& allocation);
@@ -102,11 +101,10 @@ class DeviceMemory {
   void copy_in(cl_mem memory, std::size_t offset, const void* from, std::size_t bytes);
   void copy_out(cl_mem memory, std::size_t offset, void* to, std::size_t bytes);
   void count_copy(std::size_t bytes);
-  static HostMay allowed(const Allocation& own);
   void map(cl_mem memory, std::size_t bytes, HostMay what);
   cl_int unmap(cl_mem memory, void* host);
+  void remap(HostMay what, void* handle, Allocation& own);
   void let_host(HostMay what, void* handle, Allocation& own);
-  void copy_to_host(void* handle, Allocation& own);
   Allocation* find(const void* handle);
 
   cl::Context context_;

@@ -75,9 +75,8 @@ struct Parameters {
                                ///< Otherwise from two below that to one above it.
   double kernel_width = 1.66;  ///< knot distance of the splatting B-spline where the vessel is
                                ///< thick, in voxels, kLeastKernel to kWidestKernel: the
-                               ///< smoothing knob. Above the
-                               ///< default the surface may leave the segmentation in proportion
-                               ///< farther (Report::distance_limit).
+                               ///< smoothing knob. Above the default the surface may leave the
+                               ///< segmentation in proportion farther (Report::distance_limit).
   Connectivity connectivity = Connectivity::vertex;
   bool close_handles = false;  ///< fill tunnels and cavities that the smooth field does not have
   SurfaceKind surface = SurfaceKind::adaptive;

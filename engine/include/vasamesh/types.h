@@ -45,6 +45,8 @@ struct TriangleMesh {
 
   std::size_t vertex_count() const { return vertices.size() / 3; }
   std::size_t triangle_count() const { return triangles.size() / 3; }
+
+  bool operator==(const TriangleMesh&) const = default;
 };
 
 }  // namespace vasamesh
